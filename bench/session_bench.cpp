@@ -73,8 +73,9 @@ void follow_scene(benchmark::State& state,
                   MakeScene make,
                   double spacing,
                   int levels,
-                  bool statistics = true) {
-  Loopback loopback;
+                  bool statistics = true,
+                  Transport transport = Transport::kPort) {
+  Loopback loopback(transport);
   v1::MeshRequest request;
   *request.mutable_scene() = make(0);
   request.set_spacing(spacing);
@@ -103,8 +104,12 @@ std::vector<v1::LeafUpdate> breathing(const Volume& volume, double frame, std::s
   return leaves;
 }
 
-void follow_grid(benchmark::State& state, double radius, std::size_t share, bool statistics) {
-  Loopback loopback;
+void follow_grid(benchmark::State& state,
+                 double radius,
+                 std::size_t share,
+                 bool statistics,
+                 Transport transport = Transport::kPort) {
+  Loopback loopback(transport);
   v1::MeshRequest request = loopback.request_mesh({"sphere", 1 / radius, true});
   request.set_skip_statistics(!statistics);
   const Volume volume = checked(load_volume(loopback.file("solid.vdb"), ""));
@@ -136,6 +141,18 @@ int main(int argc, char** argv) {
   add("session/grid/graded", [](auto& state) { follow_grid(state, 47, 100, true); });
   add("session/whole_grid/graded", [](auto& state) { follow_grid(state, 47, 1, true); });
   add("session/whole_grid/graded_only", [](auto& state) { follow_grid(state, 47, 1, false); });
+  // On one host: over a socket file, and with chunks in shared memory.
+  for (const auto& [way, transport] : {std::pair{"session_unix", Transport::kSocketFile},
+                                       std::pair{"session_shared", Transport::kSharedMemory}}) {
+    const std::string name = way;
+    add(name + "/sliding/graded_only", [transport = transport](auto& state) {
+      follow_scene(state, sliding, 0.0213, kGraded, false, transport);
+    });
+    add(name + "/grid/graded",
+        [transport = transport](auto& state) { follow_grid(state, 47, 100, true, transport); });
+    add(name + "/whole_grid/graded_only",
+        [transport = transport](auto& state) { follow_grid(state, 47, 1, false, transport); });
+  }
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

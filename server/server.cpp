@@ -128,6 +128,7 @@ struct Server::Parts {
   Heartbeat heartbeat{kHeartbeat, [this] {
                         admission.expire(Admission::Clock::now());
                         engine.check_stalls();
+                        engine.give_up_idle();
                       }};
   ServerProbes probes{config};
   std::unique_ptr<JobsInServer> jobs;  ///< null where they are off

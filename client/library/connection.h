@@ -12,6 +12,7 @@
 
 #include "client/library/channel.h"
 #include "client/library/client_call.h"
+#include "client/library/shared_chunks_pool.h"
 
 namespace tet {
 
@@ -27,6 +28,9 @@ class Connection {
 
   /// The server that answered last, until it cannot be reached.
   const ServerChannel& server() const { return servers_[turn_.load() % servers_.size()]; }
+
+  /// Shared memory for streams, of whichever server.
+  SharedChunksPool& shared_chunks() noexcept { return shared_chunks_; }
 
   Retries begin(const Cancellation& cancellation) const { return {retry_, cancellation}; }
 
@@ -67,6 +71,7 @@ class Connection {
   const std::vector<ServerChannel> servers_;
   std::atomic<std::size_t> turn_{0};
   std::atomic<bool> known_{false};  ///< a call has succeeded
+  SharedChunksPool shared_chunks_;
 };
 
 }  // namespace tet

@@ -26,6 +26,8 @@ RemeshSession::RemeshSession(Connection& connection,
                              const Cancellation& cancellation,
                              SessionIds ids)
     : cancellation_(cancellation),
+      shared_memory_path_(connection.server().shared_memory_path()),
+      shared_(connection.shared_chunks()),
       call_(connection.server(), cancellation),
       stream_(std::make_unique<RawCall>(connection.server().channel(),
                                         call_.context(),
@@ -49,6 +51,8 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
   v1::RemeshRequest message;
   *message.mutable_start() = request;
   message.set_tell_refusals(true);
+  message.set_shared_memory(
+      session->shared_->begin(session->shared_memory_path_, cancellation));
   if (auto status = session->exchange(message); !status.ok()) return status;
   return session;
 }
@@ -117,11 +121,13 @@ absl::Status RemeshSession::patch() {
 /// Until the mesh is whole, or its frame refused.
 template <class Receiver>
 absl::Status RemeshSession::receive(Receiver& receiver) {
+  receiver.use_shared(*shared_);
   while (!receiver.complete() && receiver.refusal().ok()) {
     grpc::ByteBuffer event;
     if (!stream_->read(event)) return broken();
     if (auto taken = receiver.take(event); !taken.ok()) return give_up(std::move(taken));
   }
+  shared_->pause();
   return absl::OkStatus();
 }
 
@@ -136,7 +142,9 @@ absl::Status RemeshSession::end() {
   if (ended_) return absl::OkStatus();
   stream_->writes_done();
   ended_ = true;
-  return call_.result(stream_->finish());
+  absl::Status ended = call_.result(stream_->finish());
+  if (ended.ok()) shared_->rest();
+  return ended;
 }
 
 /// Why there is nothing more to read.

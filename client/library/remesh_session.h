@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <absl/status/status.h>
@@ -9,6 +10,7 @@
 
 #include "client/library/connection.h"
 #include "client/library/mesh_client.h"
+#include "client/library/shared_chunks_pool.h"
 #include "core/base/cancel.h"
 #include "core/mesh/stable_mesh.h"
 
@@ -66,6 +68,8 @@ class RemeshSession {
   absl::Status broken();
 
   const Cancellation& cancellation_;
+  const std::string shared_memory_path_;  ///< of the server
+  const PooledSharedChunks shared_;
   ClientCall call_;
   std::unique_ptr<RawCall> stream_;
   bool ended_ = false;

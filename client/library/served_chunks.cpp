@@ -20,7 +20,7 @@ ServedChunks::ServedChunks(std::shared_ptr<Connection> connection,
       progress_(std::move(progress)),
       cancellation_(cancellation),
       events_(*connection_, call(), cancellation) {
-  reader_.use_shared(shared_);
+  reader_.use_shared(*shared_);
 }
 
 StreamCall ServedChunks::call() {
@@ -31,7 +31,7 @@ StreamCall ServedChunks::call() {
                 request_.set_start_chunk(static_cast<std::int64_t>(reader_.next_chunk()));
                 request_.set_expected_mesh_id(reader_.told().mesh_id);
                 request_.set_shared_memory(
-                    shared_.begin(connection_->server().shared_memory_path(), cancellation_));
+                    shared_->begin(connection_->server().shared_memory_path(), cancellation_));
                 return serialized(request_);
               },
           .take = [this](grpc::ByteBuffer& event) { return reader_.take(event); },
@@ -65,6 +65,7 @@ absl::StatusOr<bool> ServedChunks::step() {
   absl::StatusOr<bool> more = events_.step();
   failure_ = more.status();
   if (more.ok() && *more) tell_progress();
+  if (more.ok() && !*more) shared_->rest();
   return more;
 }
 

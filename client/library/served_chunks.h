@@ -51,7 +51,7 @@ class ServedChunks : public ChunkSupply, private ChunkConsumer {
   v1::StreamMeshRequest request_;
   const ClientProgress progress_;
   const Cancellation& cancellation_;
-  SharedChunks shared_;
+  const PooledSharedChunks shared_{connection_->shared_chunks()};
   StreamReader reader_{*this, StreamReader::Base::kNone};
   ReusedChunk memory_;                 ///< of the chunk that is being taken
   std::shared_ptr<TetMesh> gathered_;  ///< the whole mesh, where its chunks are compact

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstring>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
@@ -51,24 +52,28 @@ std::uint32_t copy_piece(std::span<const std::byte> from,
 
 std::string SharedChunks::begin(const std::string& grpc_path,
                                 const Cancellation& cancellation) {
-  memory_.reset();
-  side_ = Descriptor();
-  if (grpc_path.empty() || refused_) return {};
-  side_ = connect_for_packets(absl::StrCat(grpc_path, kSideSocketEnding));
-  if (!side_.is_open()) return {};
-  std::string token(kTokenBytes, '\0');
-  Descriptor none;
-  if (await_packet(side_, std::as_writable_bytes(std::span(token)), patience(cancellation),
-                   none, cancellation.descriptor())) {
-    return token;
-  }
-  refused_ = true;
+  open_ = false;
+  const bool goes_on = std::exchange(rests_, false) && grpc_path == path_ && is_quiet(side_);
+  if (goes_on || connect(grpc_path, cancellation)) return token_;
   side_ = Descriptor();
   return {};
 }
 
-absl::Status SharedChunks::open(const v1::SharedMemory& told) {
+bool SharedChunks::connect(const std::string& grpc_path, const Cancellation& cancellation) {
   memory_.reset();
+  if (grpc_path.empty() || refused_) return false;
+  path_ = grpc_path;
+  side_ = connect_for_packets(absl::StrCat(grpc_path, kSideSocketEnding));
+  if (!side_.is_open()) return false;
+  token_.assign(kTokenBytes, '\0');
+  Descriptor none;
+  refused_ = !await_packet(side_, std::as_writable_bytes(std::span(token_)),
+                           patience(cancellation), none, cancellation.descriptor());
+  return !refused_;
+}
+
+absl::Status SharedChunks::open(const v1::SharedMemory& told) {
+  open_ = false;
   if (!side_.is_open()) return bad_stream("it tells of shared memory that nobody asked for");
   refused_ = true;  // unless it works
   const bool sane = told.blocks() > 0 && told.blocks() <= kMostBlocks &&
@@ -81,19 +86,33 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told) {
   if (!await_packet(side_, size, kPatience, file) || side_number(size) != bytes) {
     return absl::UnavailableError("the server did not hand over its shared memory");
   }
-  auto mapped = SharedMemory::map(file, bytes);
-  if (!mapped.ok()) {
-    return absl::UnavailableError(
-        absl::StrCat("the server's shared memory cannot be used: ", mapped.status().message()));
+  if (!memory_ || !memory_->is_of(file, bytes)) {
+    memory_.reset();
+    auto mapped = SharedMemory::map(file, bytes);
+    if (!mapped.ok()) {
+      return absl::UnavailableError(absl::StrCat("the server's shared memory cannot be used: ",
+                                                 mapped.status().message()));
+    }
+    memory_ = *std::move(mapped);
   }
-  memory_ = *std::move(mapped);
   refused_ = false;
+  open_ = true;
   return absl::OkStatus();
+}
+
+void SharedChunks::pause() noexcept {
+  open_ = false;
+  if (memory_ && memory_->holds_pages()) memory_.reset();
+}
+
+void SharedChunks::rest() noexcept {
+  pause();
+  rests_ = side_.is_open() && !refused_;
 }
 
 absl::StatusOr<std::uint32_t> SharedChunks::copy(std::int64_t offset,
                                                  const ChunkColumns& to) const {
-  if (!memory_) return bad_stream("a chunk in shared memory that nobody has");
+  if (!open_) return bad_stream("a chunk in shared memory that nobody has");
   std::array<std::size_t, kMeshColumns> sizes{};
   const auto places = to.all();
   std::ranges::transform(places, sizes.begin(), [](auto column) { return column.size(); });
@@ -111,8 +130,14 @@ absl::StatusOr<std::uint32_t> SharedChunks::copy(std::int64_t offset,
   return checksum;
 }
 
+absl::Status SharedChunks::distrust(std::uint64_t index) noexcept {
+  refused_ = true;
+  return absl::UnavailableError(
+      absl::StrCat("chunk ", index, " is not in shared memory any more"));
+}
+
 void SharedChunks::acknowledge(std::uint64_t index) noexcept {
-  if (memory_) send_packet(side_, side_message(index));
+  if (open_) send_packet(side_, side_message(index));
 }
 
 }  // namespace tet

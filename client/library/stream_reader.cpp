@@ -157,7 +157,9 @@ absl::Status StreamReader::take_shared(const ChunkNumbers& numbers, std::int64_t
   const auto columns = consumer_->place(extent_of(numbers));
   if (!columns.ok()) return columns.status();
   const auto checksum = shared_->copy(offset, *columns);
-  return checksum.ok() ? advance(numbers, *columns, *checksum) : checksum.status();
+  if (!checksum.ok()) return checksum.status();
+  if (*checksum != numbers.checksum) return shared_->distrust(numbers.index);
+  return advance(numbers, *columns, *checksum);
 }
 
 absl::Status StreamReader::take_packed(const ChunkNumbers& numbers,

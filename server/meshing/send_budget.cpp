@@ -86,16 +86,25 @@ SendBudget::SendBudget(std::uint64_t bytes, std::uint64_t block_bytes)
 
 void SendBudget::ask(const void* who, const std::string& client, Grant grant) {
   std::vector<State::Granted> granted;
+  bool lacks = false;
   {
     const std::lock_guard lock(state_->mutex);
     state_->waiting.push(client, {who, client, Clock::now(), std::move(grant)});
     granted = state_->grant_waiting();
+    lacks = state_->waiting.any([](const State::Asked&) { return true; });
   }
   for (State::Granted& next : granted) next.grant(std::move(next.lease));
+  if (lacks && recall_) recall_();  // what is given up is granted
 }
 
 std::shared_ptr<SendBudget::Lease> SendBudget::take(const std::string& client,
                                                     std::uint64_t bytes) {
+  auto taken = take_now(client, bytes);
+  return taken == nullptr && recall_ && recall_() ? take_now(client, bytes) : taken;
+}
+
+std::shared_ptr<SendBudget::Lease> SendBudget::take_now(const std::string& client,
+                                                        std::uint64_t bytes) {
   const std::lock_guard lock(state_->mutex);
   if (bytes > state_->bytes / 2 || state_->used > state_->bytes / 2 - bytes) return nullptr;
   if (state_->waiting.any([](const State::Asked&) { return true; })) return nullptr;

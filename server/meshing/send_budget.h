@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace tet {
 
@@ -29,6 +30,10 @@ class SendBudget {
   /// At least two blocks.
   SendBudget(std::uint64_t bytes, std::uint64_t block_bytes);
 
+  /// `recall` has idle memory given up, which is charged here, and is false where there is
+  /// none. It is called whenever somebody cannot have what it asks for; to be set before that.
+  void recall_with(std::function<bool()> recall) { recall_ = std::move(recall); }
+
   /// Asks for a block. `grant` is called once: here, or when there is room, on whichever thread
   /// made it.
   void ask(const void* who, const std::string& client, Grant grant);
@@ -46,7 +51,10 @@ class SendBudget {
 
  private:
   struct State;
+  std::shared_ptr<Lease> take_now(const std::string& client, std::uint64_t bytes);
+
   std::shared_ptr<State> state_;
+  std::function<bool()> recall_;
 };
 
 /// A block's worth of memory, until it is destroyed.

@@ -64,6 +64,8 @@ class StreamWriter : public Stallable, public std::enable_shared_from_this<Strea
   void end(const absl::Status& status);
   /// Whether it ends; with the lock.
   bool ended() const { return ended_; }
+  /// Whether that is as it should; with the lock.
+  bool ended_well() const { return ended_ && status_.ok(); }
   /// Takes a step of this call's, on any thread; what that throws ends the call.
   void guard(const std::function<void()>& step);
   /// Calls `start`, which begins an operation of gRPC's, unless the call ends.

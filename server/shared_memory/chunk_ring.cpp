@@ -8,39 +8,34 @@
 
 namespace tet {
 
-absl::StatusOr<std::shared_ptr<ChunkRing>> ChunkRing::open(
-    std::shared_ptr<SideConnection> connection,
-    Size size,
-    std::uint64_t first,
-    std::shared_ptr<const void> charged,
-    Events events) {
-  auto memory = SealedMemory::make(static_cast<std::size_t>(size.blocks) * size.block_bytes);
-  if (!memory.ok()) return memory.status();
-  const std::shared_ptr<ChunkRing> ring(new ChunkRing(std::move(connection), *std::move(memory),
-                                                      size, first, std::move(charged),
-                                                      std::move(events)));
-  if (ring->connection_->hand_over(ring->memory_, ring)) return ring;
-  return absl::UnavailableError("the client does not take shared memory");
+std::shared_ptr<ChunkRing> ChunkRing::open(std::shared_ptr<SideConnection> connection,
+                                           std::shared_ptr<RingMemory> memory,
+                                           std::uint64_t first,
+                                           Events events) {
+  const std::shared_ptr<ChunkRing> ring(
+      new ChunkRing(std::move(connection), std::move(memory), first, std::move(events)));
+  return ring->connection_->hand_over(ring->memory_->memory(), ring) ? ring : nullptr;
 }
 
 ChunkRing::ChunkRing(std::shared_ptr<SideConnection> connection,
-                     SealedMemory memory,
-                     Size size,
+                     std::shared_ptr<RingMemory> memory,
                      std::uint64_t first,
-                     std::shared_ptr<const void> charged,
                      Events events)
     : connection_(std::move(connection)),
-      charged_(std::move(charged)),
       memory_(std::move(memory)),
-      size_(size),
       first_(first),
       events_(std::move(events)),
       told_(first),
       acknowledged_(first) {}
 
+std::shared_ptr<RingMemory> ChunkRing::end() const noexcept {
+  connection_->take_back();
+  return memory_;
+}
+
 bool ChunkRing::has_room(std::uint64_t index) const {
   const std::lock_guard lock(mutex_);
-  return index < acknowledged_ + size_.blocks;
+  return index < acknowledged_ + size().blocks;
 }
 
 void ChunkRing::tell(std::uint64_t end) {

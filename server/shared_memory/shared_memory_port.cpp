@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sys/epoll.h>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -53,14 +54,13 @@ SharedMemoryPort::SharedMemoryPort(SocketFile file, Descriptor listener)
 
 SharedMemoryPort::~SharedMemoryPort() { loop_.stop(); }
 
-std::shared_ptr<SideConnection> SharedMemoryPort::claim(const std::string& token) {
+SideClaim SharedMemoryPort::claim(const std::string& token) {
   const std::lock_guard lock(mutex_);
   const auto found = waiting_.find(token);
-  if (found == waiting_.end()) return nullptr;
-  std::shared_ptr<SideConnection> claimed = std::move(found->second.connection);
+  if (found == waiting_.end()) return {};
+  SideClaim claimed(*this, std::move(found->second.connection), found->second.user);
   waiting_.erase(found);
-  SideConnection* const connection = claimed.get();
-  return {connection, [claimed = std::move(claimed)](SideConnection*) { claimed->close(); }};
+  return claimed;
 }
 
 void SharedMemoryPort::accept() {
@@ -76,21 +76,27 @@ bool SharedMemoryPort::add(Descriptor socket) {
   const auto user = user_of_peer(socket);
   std::string token = random_token();
   if (!user || token.empty()) return false;
-  auto connection = std::make_shared<SideConnection>(std::move(socket), token);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto of_user = std::ranges::count_if(
-        waiting_, [&](const auto& entry) { return entry.second.user == *user; });
-    if (waiting_.size() >= kMostUnclaimed ||
-        static_cast<std::size_t>(of_user) >= kMostUnclaimedOfUser) {
-      return false;
-    }
-    waiting_.emplace(std::move(token), Waiting{connection, *user, Clock::now()});
-  }
+  const auto connection = std::make_shared<SideConnection>(std::move(socket), std::move(token));
+  if (!wait_for_claim(connection, *user)) return false;
   heed(connection);
   if (connection->tell_token()) return true;
   forget(connection);
   return false;
+}
+
+/// False where there are enough that nobody claims, or the client is gone.
+bool SharedMemoryPort::wait_for_claim(const std::shared_ptr<SideConnection>& connection,
+                                      uid_t user) {
+  const std::lock_guard lock(mutex_);
+  if (connection->is_over()) return false;
+  const auto of_user = std::ranges::count_if(
+      waiting_, [&](const auto& entry) { return entry.second.user == user; });
+  if (waiting_.size() >= kMostUnclaimed ||
+      static_cast<std::size_t>(of_user) >= kMostUnclaimedOfUser) {
+    return false;
+  }
+  waiting_.emplace(connection->token(), Waiting{connection, user, Clock::now()});
+  return true;
 }
 
 void SharedMemoryPort::heed(const std::shared_ptr<SideConnection>& connection) {
@@ -117,6 +123,29 @@ void SharedMemoryPort::end_old() {
     }
   }
   for (const auto& connection : old) forget(connection);
+}
+
+SideClaim& SideClaim::operator=(SideClaim&& other) noexcept {
+  end();
+  port_ = other.port_;
+  connection_ = std::exchange(other.connection_, nullptr);
+  user_ = other.user_;
+  return *this;
+}
+
+// Root overrules the rights that keep other users from writing, and so may its containers'.
+Readers SideClaim::readers() const noexcept {
+  return user_ == 0 || user_ == ::geteuid() ? Readers::kAny : Readers::kOtherUser;
+}
+
+void SideClaim::end() noexcept {
+  if (const auto ended = std::exchange(connection_, nullptr)) ended->close();
+}
+
+void SideClaim::give_back() {
+  if (connection_ == nullptr) return;
+  if (port_->wait_for_claim(connection_, user_)) connection_ = nullptr;
+  end();
 }
 
 }  // namespace tet

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <sys/types.h>
+#include <utility>
 
 #include <absl/status/statusor.h>
 
@@ -17,10 +18,12 @@
 
 namespace tet {
 
+class SideClaim;
+
 /// Tells each client that connects 16 random bytes. Whoever sends them with a call, which is
-/// authorized as all calls are, is whoever holds the connection: then a stream claims it, once.
-/// Connections that nobody claims end after a minute, and one user has only so many of
-/// them.
+/// authorized as all calls are, is whoever holds the connection: then a stream claims it,
+/// alone. A stream that ends well gives it back, for the client's next stream. Connections that
+/// nobody claims end after a minute, and one user has only so many of them.
 ///
 /// Thread safety: any thread may call `claim`.
 class SharedMemoryPort {
@@ -32,11 +35,11 @@ class SharedMemoryPort {
                                                                 mode_t rights);
   ~SharedMemoryPort();
 
-  /// The connection that was told `token`, which ends with the last that holds it; null where
-  /// there is none, or it was claimed.
-  std::shared_ptr<SideConnection> claim(const std::string& token);
+  /// The connection that was told `token`; none where there is none, or it is claimed.
+  SideClaim claim(const std::string& token);
 
  private:
+  friend class SideClaim;
   using Clock = std::chrono::steady_clock;
 
   /// A connection that nobody has claimed.
@@ -49,6 +52,7 @@ class SharedMemoryPort {
   SharedMemoryPort(SocketFile file, Descriptor listener);
   void accept();
   bool add(Descriptor socket);
+  bool wait_for_claim(const std::shared_ptr<SideConnection>& connection, uid_t user);
   void heed(const std::shared_ptr<SideConnection>& connection);
   void forget(const std::shared_ptr<SideConnection>& connection);
   void end_old();
@@ -58,6 +62,32 @@ class SharedMemoryPort {
   std::mutex mutex_;
   std::map<std::string, Waiting> waiting_;  ///< by token
   EventLoop loop_;                          // last: its thread uses the others
+};
+
+/// One stream's connection: it ends with the stream, unless it is given back.
+class SideClaim {
+ public:
+  SideClaim() = default;
+  SideClaim(SharedMemoryPort& port, std::shared_ptr<SideConnection> connection, uid_t user)
+      : port_(&port), connection_(std::move(connection)), user_(user) {}
+  ~SideClaim() { end(); }
+  SideClaim(SideClaim&& other) noexcept { *this = std::move(other); }
+  SideClaim& operator=(SideClaim&& other) noexcept;
+
+  /// Null where there is none.
+  const std::shared_ptr<SideConnection>& connection() const noexcept { return connection_; }
+  /// Who is at its other end.
+  Readers readers() const noexcept;
+
+  /// Ends the connection.
+  void end() noexcept;
+  /// Lets another stream claim it, before the port is destroyed.
+  void give_back();
+
+ private:
+  SharedMemoryPort* port_ = nullptr;
+  std::shared_ptr<SideConnection> connection_;
+  uid_t user_ = 0;
 };
 
 }  // namespace tet

@@ -23,36 +23,53 @@ bool SideConnection::tell_token() noexcept {
 bool SideConnection::hand_over(const SealedMemory& memory, std::weak_ptr<SideUser> user) {
   {
     const std::lock_guard lock(mutex_);
+    if (over_ || has_untaken(socket_)) return false;
     user_ = std::move(user);
   }
   return send_packet(socket_, side_message(memory.bytes().size()), memory.descriptor());
 }
 
+void SideConnection::take_back() noexcept {
+  const std::lock_guard lock(mutex_);
+  user_.reset();
+}
+
 void SideConnection::close() noexcept {
-  {
-    const std::lock_guard lock(mutex_);
-    user_.reset();
-  }
+  take_back();
   ::shutdown(socket_.number(), SHUT_RDWR);
 }
 
+std::shared_ptr<SideUser> SideConnection::user() {
+  const std::lock_guard lock(mutex_);
+  return user_.lock();
+}
+
+bool SideConnection::is_over() noexcept {
+  const std::lock_guard lock(mutex_);
+  return over_;
+}
+
 bool SideConnection::take() {
-  std::shared_ptr<SideUser> user;
-  {
-    const std::lock_guard lock(mutex_);
-    user = user_.lock();
-  }
+  const bool more = take_messages();
+  const std::lock_guard lock(mutex_);
+  over_ = !more;
+  return more;
+}
+
+/// Who is told is asked once a message is here: one that was sent to the next user must not go
+/// to the one before.
+bool SideConnection::take_messages() {
   for (int i = 0; i < kMostAtOnce; ++i) {
     SideMessage message{};
     const Packet packet = take_packet(socket_, message);
     if (packet == Packet::kNone) return true;
-    if (packet == Packet::kTaken && user != nullptr) {
-      user->acknowledged(side_number(message));
-      continue;
+    const std::shared_ptr<SideUser> told = user();
+    if (told == nullptr) return false;  // whoever has no memory has nothing to say
+    if (packet == Packet::kEnd) {
+      told->ended();
+      return false;
     }
-    // Whoever has no memory has nothing to say.
-    if (user != nullptr) user->ended();
-    return false;
+    told->acknowledged(side_number(message));
   }
   return true;
 }

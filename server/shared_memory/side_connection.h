@@ -1,4 +1,4 @@
-// A client's end of shared memory: one connection, for one stream.
+// A client's end of shared memory: one connection, for one stream at a time.
 #pragma once
 
 #include <array>
@@ -37,19 +37,29 @@ class SideConnection {
 
   /// Tells the client its token. False where it does not take that at once.
   bool tell_token() noexcept;
-  /// Hands the client its memory; from now on `user` is told what it says.
+  /// Hands the client its memory; from now on `user` is told what it says. False where the
+  /// client has not even taken what it was sent before, or does not take this.
   bool hand_over(const SealedMemory& memory, std::weak_ptr<SideUser> user);
+  /// The memory has no user any more. A client that says anything before it is handed memory
+  /// again is listened to no longer.
+  void take_back() noexcept;
   /// Ends the connection; what was sent arrives all the same.
   void close() noexcept;
+  /// Whether nobody takes what the client sends any more.
+  bool is_over() noexcept;
 
   /// Takes what the client has sent; false where there is nothing more to come. The port's.
   bool take();
 
  private:
+  std::shared_ptr<SideUser> user();
+  bool take_messages();
+
   const Descriptor socket_;
   const std::string token_;
   std::mutex mutex_;
   std::weak_ptr<SideUser> user_;
+  bool over_ = false;
 };
 
 }  // namespace tet

@@ -18,9 +18,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{200};
 
-/// Blocks of shared memory for each chunk that is made ahead.
-constexpr std::uint64_t kRingWindows = 2;
-
 /// Longer than a reader who takes what it gets lets a stream wait, and shorter than anybody
 /// waits in the queue.
 constexpr std::chrono::milliseconds kIdle{200};
@@ -33,7 +30,8 @@ ChunkStream::ChunkStream(MeshEngine& engine,
     : StreamWriter(engine.calls, context, std::move(method)),
       engine_(engine),
       watch_(std::make_shared<PlanningWatch>(deadline_of(context))),
-      turn_(engine.calls.admission()) {}
+      turn_(engine.calls.admission()),
+      shared_(engine) {}
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* ChunkStream::start(
     const std::shared_ptr<ChunkStream>& stream, const absl::Status& parsed) {
@@ -141,8 +139,7 @@ void ChunkStream::begin_window() {
   turn_.opened();
   const auto window = static_cast<std::uint64_t>(engine_.pool.threads()) + 1;
   slots_.resize(std::clamp<std::uint64_t>(end_ - next_, 1, window));
-  // A client acknowledges chunks a little later than gRPC takes messages: threads do not wait.
-  ring_ = open_ring(std::min(end_ - next_, kRingWindows * window) + 1, next_);
+  open_ring();
   post_chunks();
   begin_work_for_trailer();
 }
@@ -190,12 +187,12 @@ std::uint64_t ChunkStream::window() const {
 void ChunkStream::post_chunks() {
   const std::uint64_t ahead = window();
   while (posted_ < end_ && posted_ < next_ + ahead) {
-    if (ring_ == nullptr) {
+    if (shared_.ring() == nullptr) {
       ask_for_block(posted_++);
       continue;
     }
-    if (!ring_->has_room(posted_)) return;
-    post_chunk(posted_++, {nullptr, ring_});
+    if (!shared_.ring()->has_room(posted_)) return;
+    post_chunk(posted_++, {nullptr, shared_.ring()});
   }
 }
 
@@ -212,43 +209,6 @@ void ChunkStream::post_chunk(std::uint64_t index, Block block) {
   engine_.short_tasks.post(call_.client(), [self = self(), index, block = std::move(block)] {
     self->fill_slot(index, block);
   });
-}
-
-ChunkRing::Events ChunkStream::ring_events() {
-  const std::weak_ptr<ChunkStream> weak = self();
-  return {[weak] {
-            if (const auto stream = weak.lock()) stream->post_freed();
-          },
-          [weak](const absl::Status& why) {
-            const auto stream = weak.lock();
-            if (stream == nullptr) return;
-            stream->abandon();
-            stream->close(why);
-          }};
-}
-
-/// A block of the ring is free.
-void ChunkStream::post_freed() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (ended()) return;
-    post_chunks();
-  }
-  advance();
-}
-
-/// A reader of shared memory stops the stream by not acknowledging what it was told of.
-std::optional<Stallable::Clock::time_point> ChunkStream::waiting_since() {
-  if (const auto writing = StreamWriter::waiting_since()) return writing;
-  const std::lock_guard lock(mutex_);
-  return ring_ == nullptr || ended() ? std::nullopt : ring_->waiting_since();
-}
-
-void ChunkStream::give_up(std::chrono::seconds waited) {
-  const bool writing = StreamWriter::waiting_since().has_value();
-  if (writing || !waiting_since()) return StreamWriter::give_up(waited);
-  abandon();
-  close(client_stalled("acknowledged no chunk", waited));
 }
 
 // Only this task touches the slot until it is ready: nobody needs the lock while it is filled.
@@ -279,17 +239,17 @@ void ChunkStream::fill_slot(std::uint64_t index, Block block) {
 /// The header, with what the client reads chunks from.
 v1::MeshEvent ChunkStream::whole_header() const {
   v1::MeshEvent event = header();
-  if (ring_ != nullptr) {
+  if (const auto& ring = shared_.ring()) {
     v1::SharedMemory& memory = *event.mutable_header()->mutable_shared_memory();
-    memory.set_block_bytes(static_cast<std::int64_t>(ring_->size().block_bytes));
-    memory.set_blocks(static_cast<std::int64_t>(ring_->size().blocks));
+    memory.set_block_bytes(static_cast<std::int64_t>(ring->size().block_bytes));
+    memory.set_blocks(static_cast<std::int64_t>(ring->size().blocks));
   }
   return event;
 }
 
 void ChunkStream::note_end() {
   engine_.send_budget.leave(this);
-  if (ring_ != nullptr) ring_->close();
+  shared_.end(ended_well());
 }
 
 void ChunkStream::note_finish() {
@@ -317,7 +277,7 @@ bool ChunkStream::prepare_message() {
     case Phase::kChunks:
       if (!slot_of(next_).ready) return false;
       outgoing_.Swap(&slot_of(next_).made.event);
-      if (ring_ != nullptr) ring_->tell(next_ + 1);
+      if (shared_.ring() != nullptr) shared_.ring()->tell(next_ + 1);
       return true;
     case Phase::kTrailer:
       if (trailer_waits_) return false;
@@ -350,7 +310,7 @@ bool ChunkStream::after_write() {
   } else {
     phase_ = Phase::kSent;
   }
-  return phase_ == Phase::kSent;
+  return phase_ == Phase::kSent && all_acknowledged();
 }
 
 /// Counts the chunk that was written and reuses its slot.

@@ -23,6 +23,7 @@
 #include "server/shared_memory/chunk_ring.h"
 #include "server/streams/mesh_engine.h"
 #include "server/streams/mesher_turn.h"
+#include "server/streams/stream_ring.h"
 
 namespace tet {
 
@@ -78,18 +79,18 @@ class ChunkStream : public StreamWriter {
   virtual v1::MeshEvent trailer(std::uint64_t first,
                                 std::uint64_t end,
                                 const QualityStats& quality) const = 0;
+  /// Makes a chunk of a counted mesh, wherever it goes.
+  absl::StatusOr<ChunkMessage> make_mesh_chunk(const ChunkSource& source,
+                                               std::uint64_t index,
+                                               Block block);
   /// Work that the trailer waits for, or none. It is done while chunks are sent, on threads of
   /// long work, and stops when the watch is cancelled; asked for with the lock.
   virtual std::function<absl::Status()> work_for_trailer() { return nullptr; }
 
-  /// Memory that the client reads chunks from, for those from `first` on; null where there is
-  /// none. With the lock.
-  virtual std::shared_ptr<ChunkRing> open_ring(std::uint64_t /*blocks*/,
-                                               std::uint64_t /*first*/) {
-    return nullptr;
-  }
-  /// What such a ring tells this stream.
-  ChunkRing::Events ring_events();
+  /// Why chunks cannot be in shared memory, whatever the client has asked for. With the lock.
+  virtual absl::Status check_shareable() const { return absl::OkStatus(); }
+  /// The client asks for chunks in shared memory, or does not: see StreamRing.
+  void claim_memory(const std::string& token);
 
   /// What the client is told of what cannot be opened, where the call goes on all the same;
   /// nothing ends the call. With the lock.
@@ -141,6 +142,9 @@ class ChunkStream : public StreamWriter {
   void ask_for_block(std::uint64_t index);
   void post_chunk(std::uint64_t index, Block block);
   void post_freed();
+  void open_ring();
+  bool all_acknowledged();
+  ChunkRing::Events ring_events();
   v1::MeshEvent whole_header() const;
   void fill_slot(std::uint64_t index, Block block);
 
@@ -171,12 +175,13 @@ class ChunkStream : public StreamWriter {
   grpc::ByteBuffer outgoing_;   ///< the MeshEvent being written
   grpc::ByteBuffer refusal_;    ///< the one that is written next, where there is nothing else
   std::vector<Slot> slots_;     ///< chunk i in slot i % size
-  std::shared_ptr<ChunkRing> ring_;  ///< null: chunks travel in their messages
-  std::uint64_t first_ = 0;          ///< chunk that the stream begins with
-  std::uint64_t next_ = 0;           ///< chunk to be written next
-  std::uint64_t posted_ = 0;         ///< chunk to be posted next
-  std::uint64_t end_ = 0;            ///< one past the last chunk
-  QualityStats quality_;             ///< of the chunks written, in their order
+  StreamRing shared_;           ///< without a ring chunks travel in their messages
+  bool waits_ = false;          ///< all is sent, and not all acknowledged
+  std::uint64_t first_ = 0;     ///< chunk that the stream begins with
+  std::uint64_t next_ = 0;      ///< chunk to be written next
+  std::uint64_t posted_ = 0;    ///< chunk to be posted next
+  std::uint64_t end_ = 0;       ///< one past the last chunk
+  QualityStats quality_;        ///< of the chunks written, in their order
   std::uint64_t tets_written_ = 0, bytes_written_ = 0, chunks_written_ = 0;
   double opening_since_ = 0;  ///< seconds since the call arrived
 };

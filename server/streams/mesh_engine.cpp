@@ -26,6 +26,9 @@ constexpr std::size_t kIdleBlocks = kIdleBlockBytes / kBlockBytes;
 /// loses it.
 constexpr std::chrono::seconds kKeptWaiting{1}, kPressedStall{5};
 
+/// A quarter of what there is for chunks may be idle, until somebody lacks it.
+constexpr std::uint64_t kIdleShare = 4;
+
 /// A plan may keep this much of the surface's geometry: enough for meshes of ten million tets.
 constexpr std::uint64_t kKeptGeometryBytes = std::uint64_t{12} << 20;
 
@@ -61,6 +64,7 @@ MeshEngine::MeshEngine(const Config& server_config,
       calls(call_registry),
       blocks(kBlockBytes, kIdleBlocks),
       send_budget(config.send_bytes, kBlockBytes),
+      kept_memory(config.send_bytes / kIdleShare),
       turns({short_tasks, longer, large}, plan_turns(config)),
       planner({short_tasks, loads, turns},
               decoders,
@@ -71,7 +75,9 @@ MeshEngine::MeshEngine(const Config& server_config,
       longer(static_cast<int>(config.threads), 1, SIZE_MAX, &calls.clients()),
       large(static_cast<int>(config.threads), kLongPlansAtOnce, 1, &calls.clients()),
       loads(static_cast<int>(config.threads), kLoadsAtOnce, kLoadsOfClient, &calls.clients()),
-      decoders(decoder_settings(config)) {}
+      decoders(decoder_settings(config)) {
+  send_budget.recall_with([this] { return kept_memory.give_up_all(); });
+}
 
 Admission::Place MeshEngine::admit(const Call& call,
                                    Cancellation::Clock::time_point deadline,

@@ -21,6 +21,7 @@
 #include "server/rpc/calls.h"
 #include "server/rpc/fair_tasks.h"
 #include "server/rpc/stall_watch.h"
+#include "server/shared_memory/kept_memory.h"
 #include "server/shared_memory/shared_memory_port.h"
 
 namespace tet {
@@ -48,8 +49,10 @@ struct MeshEngine {
   ChunkMemory chunk_memory() noexcept { return {workspaces, packers, blocks}; }
 
   /// Ends streams whose clients stopped reading: sooner where others wait for their blocks. To
-  /// be called every now and then.
+  /// be called every now and then, as what follows.
   void check_stalls();
+  /// Gives up shared memory that no stream has used for a while.
+  void give_up_idle() { kept_memory.give_up_idle(KeptMemory::Clock::now()); }
 
   const Config config;
   CallRegistry& calls;
@@ -58,6 +61,7 @@ struct MeshEngine {
   ScratchPool<ChunkPacker> packers;
   BlockPool blocks;
   SendBudget send_budget;
+  KeptMemory kept_memory;  ///< part of what the budget holds
   StallWatch stalls;
   const ResultStore* results = nullptr;  ///< set before the first call, where there are jobs
   SharedMemoryPort* shared_memory = nullptr;  ///< likewise, where there is a socket file

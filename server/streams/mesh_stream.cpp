@@ -10,9 +10,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
-#include "server/meshing/shared_chunk.h"
 #include "server/ops/guard.h"
-#include "server/streams/stream_ring.h"
 
 namespace tet {
 
@@ -40,9 +38,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
 void MeshStream::admitted() {
   if (!order_.mesh.digest.empty()) call_.note("grid", order_.mesh.digest);
   order_.mesh.space = call_.space();
-  if (engine_.shared_memory != nullptr && !order_.shared_memory.empty()) {
-    side_ = engine_.shared_memory->claim(order_.shared_memory);
-  }
+  claim_memory(order_.shared_memory);
   watch_progress();
 }
 
@@ -123,23 +119,11 @@ std::function<absl::Status()> MeshStream::work_for_trailer() {
   };
 }
 
-/// A stream that has no shared memory is any other; the log says why.
-std::shared_ptr<ChunkRing> MeshStream::open_ring(std::uint64_t blocks, std::uint64_t first) {
-  if (order_.shared_memory.empty()) return nullptr;
-  absl::StatusOr<std::shared_ptr<ChunkRing>> ring =
-      absl::FailedPreconditionError("nobody with this token has connected for it");
+absl::Status MeshStream::check_shareable() const {
   const bool plain = stored_ == nullptr && source_.encoding != v1::ENCODING_PACKED &&
                      source_.encoding != v1::ENCODING_COMPACT;
-  if (!plain) {
-    ring = absl::FailedPreconditionError("chunks are stored, packed or compact");
-  } else if (side_ != nullptr) {
-    ring = open_stream_ring(engine_, call_.client(), side_, blocks, first, ring_events());
-  }
-  side_ = nullptr;
-  call_.note("shared_memory", ring.ok());
-  if (!ring.ok()) call_.note("shared_memory_why", std::string(ring.status().message()));
-  if (ring.ok()) engine_.activity.shared_streams.fetch_add(1);
-  return ring.ok() ? *std::move(ring) : nullptr;
+  return plain ? absl::OkStatus()
+               : absl::FailedPreconditionError("chunks are stored, packed or compact");
 }
 
 const std::string& MeshStream::mesh_id() const {
@@ -184,13 +168,7 @@ v1::MeshEvent MeshStream::header() const {
 
 absl::StatusOr<ChunkMessage> MeshStream::make(std::uint64_t index, Block block) {
   if (stored_ != nullptr) return read(index, std::move(block));
-  absl::StatusOr<ChunkMessage> made =
-      block.ring != nullptr ? make_shared_chunk(source_, index, engine_.chunk_memory(),
-                                                *block.ring, watch_->cancellation)
-                            : make_chunk(source_, index, engine_.chunk_memory(),
-                                         std::move(block.lease), watch_->cancellation);
-  if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
-  return made;
+  return make_mesh_chunk(source_, index, std::move(block));
 }
 
 /// A chunk that turns out to be damaged is set aside: whoever comes back for it has it made.

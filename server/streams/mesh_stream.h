@@ -35,7 +35,7 @@ class MeshStream final : public ChunkStream {
                         std::uint64_t end,
                         const QualityStats& quality) const override;
   std::function<absl::Status()> work_for_trailer() override;
-  std::shared_ptr<ChunkRing> open_ring(std::uint64_t blocks, std::uint64_t first) override;
+  absl::Status check_shareable() const override;
 
   bool find_stored();
   void plan();
@@ -52,7 +52,6 @@ class MeshStream final : public ChunkStream {
   }
 
   StreamOrder order_;
-  std::shared_ptr<SideConnection> side_;  ///< of a client that asks for shared memory
   // Only the task that plans touches these until there are chunks.
   std::shared_ptr<const StoredMesh> stored_;  ///< null: the chunks are made
   PlannedMesh planned_;

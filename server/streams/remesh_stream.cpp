@@ -120,6 +120,7 @@ absl::Status RemeshStream::check_order(const v1::RemeshRequest& message) const {
 absl::Status RemeshStream::take_start(const v1::RemeshRequest& message) {
   started_ = true;
   tells_refusals_ = message.tell_refusals();
+  claim_memory(message.shared_memory());
   return within_field("start", take_start(message.start()));
 }
 
@@ -263,10 +264,7 @@ void RemeshStream::note_opening() {
 v1::MeshEvent RemeshStream::header() const { return header_event(planned_, source_); }
 
 absl::StatusOr<ChunkMessage> RemeshStream::make(std::uint64_t index, Block block) {
-  absl::StatusOr<ChunkMessage> made = make_chunk(source_, index, engine_.chunk_memory(),
-                                                 std::move(block.lease), watch_->cancellation);
-  if (made.ok()) engine_.activity.chunks_made.fetch_add(1);
-  return made;
+  return make_mesh_chunk(source_, index, std::move(block));
 }
 
 v1::MeshEvent RemeshStream::trailer(std::uint64_t first,

@@ -18,20 +18,50 @@ constexpr std::size_t kRingBlockBytes =
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<ChunkRing>> open_stream_ring(
-    MeshEngine& engine,
-    const std::string& client,
-    std::shared_ptr<SideConnection> connection,
-    std::uint64_t blocks,
-    std::uint64_t first,
-    ChunkRing::Events events) {
-  auto charged = engine.send_budget.take(client, blocks * kRingBlockBytes);
-  if (charged == nullptr) {
-    return absl::ResourceExhaustedError(absl::StrCat(
-        "no room for ", blocks * kRingBlockBytes, " bytes of chunks besides those of others"));
+void StreamRing::claim(const std::string& token) {
+  wanted_ = !token.empty();
+  if (wanted_ && engine_.shared_memory != nullptr) claim_ = engine_.shared_memory->claim(token);
+}
+
+absl::Status StreamRing::open(const std::string& client,
+                              std::uint64_t blocks,
+                              std::uint64_t first,
+                              ChunkRing::Events events) {
+  if (claim_.connection() == nullptr) {
+    return absl::FailedPreconditionError("nobody with this token has connected for it");
   }
-  return ChunkRing::open(std::move(connection), {blocks, kRingBlockBytes}, first,
-                         std::move(charged), std::move(events));
+  auto taken = memory(client, {blocks, kRingBlockBytes});
+  if (!taken.ok()) return taken.status();
+  ring_ = ChunkRing::open(claim_.connection(), *std::move(taken), first, std::move(events));
+  if (ring_ == nullptr) {
+    return absl::UnavailableError("the client does not take shared memory");
+  }
+  if (!std::exchange(counted_, true)) engine_.activity.shared_streams.fetch_add(1);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<RingMemory>> StreamRing::memory(const std::string& client,
+                                                               RingSize size) {
+  if (auto kept = engine_.kept_memory.take(claim_.connection(), client, size)) return kept;
+  auto charged = engine_.send_budget.take(client, size.bytes());
+  if (charged == nullptr) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("no room for ", size.bytes(), " bytes of chunks besides those of others"));
+  }
+  return RingMemory::make(size, claim_.readers(), client, std::move(charged));
+}
+
+void StreamRing::rest() {
+  if (ring_ == nullptr) return;
+  engine_.kept_memory.keep(claim_.connection(), ring_->end());
+  ring_ = nullptr;
+}
+
+void StreamRing::end(bool well) {
+  if (ring_ != nullptr) ring_->end();
+  ring_ = nullptr;
+  if (well) claim_.give_back();
+  claim_.end();
 }
 
 }  // namespace tet

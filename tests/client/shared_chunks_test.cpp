@@ -1,6 +1,7 @@
 // What a client believes of a server that hands it memory.
 #include "client/library/shared_chunks.h"
 
+#include <algorithm>
 #include <array>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -9,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/library/mesh_receiver.h"
 #include "core/base/posix/packet_socket.h"
 #include "proto/wire/checksum.h"
 #include "proto/wire/shared_columns.h"
@@ -135,6 +137,95 @@ TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
     meet();
     EXPECT_EQ(chunks_.open(told(block_bytes, blocks)).code(), absl::StatusCode::kDataLoss);
   }
+}
+
+TEST_F(SharedChunksTest, ServesTheNextStreamOnceItHasRested) {
+  meet();
+  const auto copies = [&] {
+    std::array<std::byte, 12> positions{};
+    ChunkColumns to{};
+    to.positions = positions;
+    return chunks_.copy(0, to).ok();
+  };
+  for (int stream = 0; stream < 3; ++stream) {
+    ASSERT_TRUE(hand_over(memory_.descriptor()));
+    ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+    EXPECT_TRUE(copies());
+    chunks_.rest();
+    EXPECT_FALSE(chunks_.is_open() || copies());  // until a header tells of it
+    EXPECT_TRUE(chunks_.rests());
+    EXPECT_EQ(chunks_.begin(path_, never_), token_);  // nobody accepts another connection
+    EXPECT_FALSE(chunks_.rests());
+  }
+  const SealedMemory other = *SealedMemory::make(kBlock * kBlocks);
+  other.bytes()[0] = std::byte{7};
+  ASSERT_TRUE(hand_over(other.descriptor()));
+  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  std::array<std::byte, 12> positions{};
+  ChunkColumns to{};
+  to.positions = positions;
+  ASSERT_TRUE(chunks_.copy(0, to).ok());
+  EXPECT_EQ(positions[0], std::byte{7});
+}
+
+TEST_F(SharedChunksTest, ConnectsAnewAfterAStreamThatFailedOrAServerThatLeft) {
+  meet();
+  accepted_ = Descriptor();
+  meet();  // which did not rest
+  chunks_.rest();
+  accepted_ = Descriptor();
+  meet();
+  chunks_.rest();
+  EXPECT_EQ(chunks_.begin("", never_), "");  // another server
+}
+
+TEST_F(SharedChunksTest, HoldsNothingBetweenStreamsThatNobodyElseCanFree) {
+  const SealedMemory freed = *SealedMemory::make(kBlock * kBlocks, Readers::kOtherUser);
+  for (const SealedMemory* memory : std::array<const SealedMemory*, 2>{&memory_, &freed}) {
+    chunks_ = SharedChunks();
+    accepted_ = Descriptor();
+    meet();
+    ASSERT_TRUE(hand_over(memory->descriptor()));
+    ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+    EXPECT_TRUE(chunks_.holds_memory());
+    chunks_.rest();
+    EXPECT_EQ(chunks_.holds_memory(), memory == &freed);
+  }
+}
+
+TEST_F(SharedChunksTest, AChunkThatWasFreedIsAskedForAgain) {
+  const SealedMemory memory = *SealedMemory::make(kBlock * kBlocks, Readers::kOtherUser);
+  std::ranges::fill(memory.bytes(), std::byte{5});
+  meet();
+  MeshReceiver receiver;
+  receiver.use_shared(chunks_);
+  v1::MeshEvent event;
+  v1::MeshHeader& header = *event.mutable_header();
+  header.set_mesh_id("m");
+  header.set_vertex_count(3);
+  header.set_chunk_count(1);
+  header.set_coordinate_type(v1::COORDINATE_TYPE_FLOAT32);
+  header.set_index_type(v1::INDEX_TYPE_UINT32);
+  *header.mutable_shared_memory() = told();
+  ASSERT_TRUE(hand_over(memory.descriptor()));
+  ASSERT_EQ(receiver.take(event), absl::OkStatus());
+  const std::uint32_t made = add_to_checksum(0, memory.bytes().first(36));
+  memory.give_up();
+  v1::MeshChunk& chunk = *event.mutable_chunk();
+  chunk.set_vertex_count(3);
+  chunk.set_shared_offset(0);
+  chunk.set_checksum(made);
+  EXPECT_EQ(receiver.take(event).code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(receiver.next_chunk(), 0U);
+  EXPECT_EQ(chunks_.begin(path_, never_), "");  // as a message
+}
+
+TEST_F(SharedChunksTest, WhatItDistrustsItAsksForNoMore) {
+  meet();
+  EXPECT_EQ(chunks_.distrust(3).code(), absl::StatusCode::kUnavailable);
+  chunks_.rest();
+  EXPECT_FALSE(chunks_.rests());
+  EXPECT_EQ(chunks_.begin(path_, never_), "");
 }
 
 TEST_F(SharedChunksTest, IsNotToldOfWhatNobodyAskedFor) {

@@ -11,94 +11,16 @@
 #include <gtest/gtest.h>
 
 #include "client/library/chunk_supply.h"
-#include "core/base/posix/packet_socket.h"
 #include "core/base/posix/socket_file.h"
-#include "proto/wire/side_messages.h"
 #include "server/shared_memory/shared_memory_port.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/reason_of.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/shared_memory_fixture.h"
 
 namespace tet::test {
 namespace {
 
 using testing::HasSubstr;
-
-/// Twice one for each of two threads and one more, and another.
-constexpr std::uint64_t kRingBlocks = 7;
-
-class SharedMemoryTest : public ServiceTest {
- protected:
-  SharedMemoryTest() { config_.listen_unix = socket_; }
-
-  std::unique_ptr<MeshClient> local() const { return MeshClient::connect("unix:" + socket_); }
-
-  StreamedMesh received(MeshClient& client, const v1::MeshRequest& request) const {
-    auto mesh = client.stream_mesh(request, {}, never_);
-    EXPECT_TRUE(mesh.ok()) << mesh.status();
-    return mesh.ok() ? *std::move(mesh) : StreamedMesh{};
-  }
-
-  std::int64_t shared_streams() const { return activity().shared_streams.load(); }
-
-  const std::string socket_ = folder_.file("socket");
-};
-
-/// A client that may do as it likes.
-class WilfulClient {
- public:
-  explicit WilfulClient(const std::string& socket)
-      : side_(connect_for_packets(socket + kSideSocketEnding)),
-        meshes_(v1::MeshService::NewStub(
-            grpc::CreateChannel("unix:" + socket, grpc::InsecureChannelCredentials()))) {
-    Descriptor none;
-    EXPECT_TRUE(await_packet(side_, std::as_writable_bytes(std::span(token_)), 10s, none));
-  }
-
-  const std::string& token() const { return token_; }
-  const Descriptor& side() const { return side_; }
-  void close_side() { side_ = Descriptor(); }
-
-  /// Begins a stream, as far as its header.
-  void begin(v1::StreamMeshRequest request, const std::string& token) {
-    request.set_shared_memory(token);
-    reader_ = meshes_->StreamMesh(&context_, request);
-    while (reader_->Read(&event_) && !event_.has_header()) {
-    }
-  }
-  bool has_ring() const { return event_.header().has_shared_memory(); }
-
-  Descriptor take_memory() const {
-    SideMessage size{};
-    Descriptor memory;
-    EXPECT_TRUE(await_packet(side_, size, 10s, memory));
-    return memory;
-  }
-
-  /// Reads on to the next chunk; false after the last.
-  bool read_chunk() {
-    while (reader_->Read(&event_)) {
-      if (event_.has_chunk()) return true;
-    }
-    return false;
-  }
-  const v1::MeshChunk& chunk() const { return event_.chunk(); }
-  bool say(std::uint64_t index) const { return send_packet(side_, side_message(index)); }
-
-  grpc::Status finish() {
-    while (reader_->Read(&event_)) {
-    }
-    return reader_->Finish();
-  }
-
- private:
-  Descriptor side_;
-  std::string token_ = std::string(SideConnection::kTokenBytes, '\0');
-  std::unique_ptr<v1::MeshService::Stub> meshes_;
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReader<v1::MeshEvent>> reader_;
-  v1::MeshEvent event_;
-};
 
 TEST_F(SharedMemoryTest, BringsTheSameBytesForAnyThreads) {
   for (const std::uint64_t threads : {1u, 2u, 5u}) {
@@ -119,7 +41,7 @@ TEST_F(SharedMemoryTest, BringsTheSameBytesForAnyThreads) {
     }
     EXPECT_EQ(shared_streams(), 4);
     EXPECT_TRUE(work_stops());
-    EXPECT_TRUE(eventually([&] { return server_->engine().send_budget.used_bytes() == 0; }));
+    EXPECT_TRUE(eventually([&] { return engine().send_budget.used_bytes() == kept_bytes(); }));
   }
 }
 

@@ -4,7 +4,9 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <linux/sockios.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -108,6 +110,16 @@ bool send_packet(const Descriptor& socket,
 
 bool send_packet(const Descriptor& socket, std::span<const std::byte> message) noexcept {
   return send_packet(socket, message, Descriptor());
+}
+
+bool has_untaken(const Descriptor& socket) noexcept {
+  int bytes = 0;
+  return ::ioctl(socket.number(), SIOCOUTQ, &bytes) != 0 || bytes > 0;
+}
+
+bool is_quiet(const Descriptor& socket) noexcept {
+  pollfd either{socket.number(), POLLIN | POLLRDHUP, 0};
+  return socket.is_open() && ::poll(&either, 1, 0) == 0;
 }
 
 // Without room for files the system closes those that come.

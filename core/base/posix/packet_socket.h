@@ -32,6 +32,11 @@ bool send_packet(const Descriptor& socket,
                  const Descriptor& passed) noexcept;
 bool send_packet(const Descriptor& socket, std::span<const std::byte> message) noexcept;
 
+/// Whether the other end has not yet taken all that was sent to it.
+bool has_untaken(const Descriptor& socket) noexcept;
+/// Whether nothing has come, and the other end is there.
+bool is_quiet(const Descriptor& socket) noexcept;
+
 enum class Packet { kTaken, kNone, kEnd };
 
 /// Takes the next message, never waiting. Files that came with it are closed. kEnd where there

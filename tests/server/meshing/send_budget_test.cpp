@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -99,6 +100,32 @@ TEST(SendBudget, ClientsTakeTurns) {
   EXPECT_TRUE(a.empty());
   EXPECT_EQ(c.size(), 1U);
   budget.leave(&kWho);
+}
+
+TEST(SendBudget, HasIdleMemoryGivenUpBeforeAnybodyGoesWithout) {
+  SendBudget budget(4 * kBlock, kBlock);
+  std::shared_ptr<SendBudget::Lease> idle;
+  int recalls = 0;
+  budget.recall_with([&] {
+    ++recalls;
+    return std::exchange(idle, nullptr) != nullptr;
+  });
+  idle = budget.take("a", 2 * kBlock);
+  ASSERT_NE(idle, nullptr);
+  EXPECT_EQ(recalls, 0);
+  EXPECT_NE(budget.take("b", 2 * kBlock), nullptr);
+  EXPECT_EQ(recalls, 1);
+  EXPECT_EQ(budget.take("b", 3 * kBlock), nullptr);  // there is nothing idle any more
+  EXPECT_EQ(recalls, 2);
+
+  idle = budget.take("a", 2 * kBlock);
+  Leases b, c;
+  const Departure departure{budget};
+  for (int i = 0; i < 2; ++i) ask(budget, "b", b);
+  EXPECT_NE(idle, nullptr);
+  ask(budget, "c", c);
+  EXPECT_EQ(c.size(), 1U);
+  EXPECT_EQ(idle, nullptr);
 }
 
 TEST(SendBudget, KeepsOnlyWhatIsNeeded) {
