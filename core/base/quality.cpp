@@ -23,21 +23,10 @@ void QualityStats::add_copies(const QualityStats& shape,
   for (std::size_t d = 0; d < histogram.size(); ++d) histogram[d] += count * shape.histogram[d];
 }
 
-TET_VECTOR_CLONES
-void QualityMeter::add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept {
-  constexpr std::size_t kSize = TetBatch::kSize;
-  for (; tets.size() >= kSize; tets = tets.subspan(kSize)) {
-    add_lanes(points, tets.first<kSize>(), kSize);
-  }
-  if (tets.empty()) return;
-  std::array<LocalTet, kSize> last;
-  std::fill(std::copy(tets.begin(), tets.end(), last.begin()), last.end(), tets.back());
-  add_lanes(points, last, tets.size());
-}
-
-void QualityMeter::add_lanes(const LocalPoint* points,
-                             std::span<const LocalTet, TetBatch::kSize> tets,
-                             std::size_t count) noexcept {
+[[gnu::always_inline]] inline void QualityMeter::add_lanes(
+    const LocalPoint* points,
+    std::span<const LocalTet, TetBatch::kSize> tets,
+    std::size_t count) noexcept {
   TetBatch batch;
   BatchAngles angles;
   batch.load([&](std::size_t lane) {
@@ -54,6 +43,18 @@ void QualityMeter::add_lanes(const LocalPoint* points,
     const auto& [a, b, c, d] = tets[lane];
     return std::array{place(a), place(b), place(c), place(d)};
   });
+}
+
+TET_VECTOR_CLONES
+void QualityMeter::add_tets(const LocalPoint* points, std::span<const LocalTet> tets) noexcept {
+  constexpr std::size_t kSize = TetBatch::kSize;
+  for (; tets.size() >= kSize; tets = tets.subspan(kSize)) {
+    add_lanes(points, tets.first<kSize>(), kSize);
+  }
+  if (tets.empty()) return;
+  std::array<LocalTet, kSize> last;
+  std::fill(std::copy(tets.begin(), tets.end(), last.begin()), last.end(), tets.back());
+  add_lanes(points, last, tets.size());
 }
 
 TET_VECTOR_CLONES

@@ -22,13 +22,18 @@ struct TetBatch {
 
   /// Fills all lanes; `edges_of(lane)` is the tet's three edges as an array of FloatRow.
   template <class EdgesOf>
-  void load(EdgesOf edges_of) noexcept {
-    for (std::size_t lane = 0; lane < kSize; lane += 4) {
-      const auto e0 = edges_of(lane), e1 = edges_of(lane + 1);
-      const auto e2 = edges_of(lane + 2), e3 = edges_of(lane + 3);
+  [[gnu::always_inline]] void load(EdgesOf edges_of) noexcept {
+    constexpr std::size_t kAtOnce = 8;
+    for (std::size_t lane = 0; lane < kSize; lane += kAtOnce) {
+      std::array<std::array<FloatRow, kAtOnce>, 3> rows;
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < kAtOnce; ++i) {
+        const auto edges = edges_of(lane + i);
+        for (std::size_t k = 0; k < 3; ++k) rows[k][i] = edges[k];
+      }
       for (std::size_t k = 0; k < 3; ++k) {
         auto& [x, y, z] = edge[k];
-        store_transposed({e0[k], e1[k], e2[k], e3[k]}, &x[lane], &y[lane], &z[lane]);
+        store_transposed(rows[k], &x[lane], &y[lane], &z[lane]);
       }
     }
   }

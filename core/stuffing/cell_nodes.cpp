@@ -66,22 +66,6 @@ CellNodes nodes_around_cells(const BrickNeighbourhood& bricks,
   return nodes;
 }
 
-CellNodes nodes_around_cells(const std::array<HaloSet, kNodeKinds>& plus,
-                             const std::array<HaloSet, kNodeKinds>& zero) noexcept {
-  CellNodes nodes;
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for (std::size_t o = 0; o < 8; ++o) {
-      const int x = static_cast<int>(o >> 2), y = static_cast<int>(o >> 1 & 1),
-                z = static_cast<int>(o & 1);
-      if (kind == kCentre && x + y + z > 1) continue;  // no tet of the cell has it
-      nodes.plus[kind][o] = brick_part(plus[kind], x, y, z);
-      nodes.zero[kind][o] = brick_part(zero[kind], x, y, z);
-    }
-  }
-  nodes.pairs.fill(BrickMask::all());
-  return nodes;
-}
-
 void see_from_outside(CellNodes& nodes) noexcept {
   nodes.region = MeshRegion::kOutside;
   for (const NodeKind kind : {kCorner, kCentre}) {

@@ -40,11 +40,6 @@ struct CellNodes {
 CellNodes nodes_around_cells(const BrickNeighbourhood& bricks,
                              const LeavesAround& leaves) noexcept;
 
-/// Gathers them as the inside sees them where every cell is a leaf. `plus` and `zero` are valid
-/// for nodes in [0, 8]^3.
-CellNodes nodes_around_cells(const std::array<HaloSet, kNodeKinds>& plus,
-                             const std::array<HaloSet, kNodeKinds>& zero) noexcept;
-
 /// Turns nodes as the inside sees them into nodes as the outside does.
 void see_from_outside(CellNodes& nodes) noexcept;
 

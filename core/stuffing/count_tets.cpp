@@ -136,41 +136,6 @@ FinestCounts count_finest_and_surface(const CellNodes& nodes,
   return counts;
 }
 
-namespace {
-
-/// Tets of one shape that are cut, those among them with a quad of the surface, and those with
-/// one `+` and three zeros.
-struct SurfaceInShape {
-  BrickMask cut, quad, three_zeros;
-};
-
-TET_VECTOR_CLONES
-SurfaceInShape find_surface(const CellNodes& nodes, std::size_t number) noexcept {
-  const ShapeNodes shape(nodes, kTetShape[number]);
-  const BrickMask& pairs = nodes.pairs[number / 4];
-  SurfaceInShape found;
-  for (std::size_t x = 0; x < 8; ++x) {
-    const ShapeBits bits = shape.slice(x);
-    const std::uint64_t cut = bits.cut() & pairs.slice[x];
-    found.cut.slice[x] = cut;
-    found.quad.slice[x] = cut & bits.two() & ~bits.any_zero;  // ++--
-    found.three_zeros.slice[x] = pairs.slice[x] & bits.no_minus & bits.one();
-  }
-  return found;
-}
-
-}  // namespace
-
-std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
-  std::uint64_t count = 0;
-  for (std::size_t shape = 0; shape < kTetShapes; ++shape) {
-    const SurfaceInShape found = find_surface(nodes, shape);
-    count += std::uint64_t{found.cut.count()} + found.quad.count();
-    three_zeros[shape] = found.three_zeros;
-  }
-  return count;
-}
-
 TET_VECTOR_CLONES
 void find_three_zeros(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept {
   for (std::size_t number = 0; number < kTetShapes; ++number) {

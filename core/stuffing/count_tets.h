@@ -43,10 +43,6 @@ inline constexpr std::array<std::array<int, 4>, kTetShapes> kMirrored = [] {
   return mirrored;
 }();
 
-/// Triangles of the surface within the brick's cut tets; notes tets that may have one on a
-/// face.
-std::uint64_t count_cut_triangles(const CellNodes& nodes, ThreeZeros& three_zeros) noexcept;
-
 /// What count_finest counts, and triangles of the surface within the brick's cut tets.
 struct FinestCounts {
   std::uint64_t tets = 0, triangles = 0;

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <utility>
 
 namespace tet {
 namespace {
@@ -204,15 +203,6 @@ DirectionSet ends_in(const std::array<HaloSet, kNodeKinds>& nodes,
   return static_cast<DirectionSet>(ends);
 }
 
-/// The nodes that are a step on from those of the brick with one x: a byte for each row.
-inline __m128i row_bytes(const HaloSet& nodes, int x, LatticeCoord step) noexcept {
-  const auto* const rows = reinterpret_cast<const char*>(nodes.word.data());
-  const int row = halo_index(x + step.x, step.y, -2) / 16;
-  const __m128i bits = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows + 2 * row));
-  const __m128i ends = _mm_and_si128(_mm_srli_epi16(bits, 2 + step.z), _mm_set1_epi16(0xff));
-  return _mm_packus_epi16(ends, ends);
-}
-
 }  // namespace
 
 NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
@@ -220,51 +210,6 @@ NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
                  NodeKind kind,
                  int node) noexcept {
   return {ends_in(plus, kind, node), ends_in(zero, kind, node)};
-}
-
-LinksOfSlice::LinksOfSlice(const std::array<HaloSet, kNodeKinds>& plus,
-                           const std::array<HaloSet, kNodeKinds>& zero,
-                           NodeKind kind,
-                           int x) noexcept {
-  const auto find = [&]<NodeKind of>() {
-    find_ends<of>(plus, x, plus_);
-    find_ends<of>(zero, x, zero_);
-  };
-  if (kind == kCorner) {
-    find.template operator()<kCorner>();
-  } else {
-    find.template operator()<kCentre>();
-  }
-}
-
-template <NodeKind kind>
-void LinksOfSlice::find_ends(const std::array<HaloSet, kNodeKinds>& nodes,
-                             int x,
-                             RowsOfEnds& rows) noexcept {
-  // Each direction's ends, a byte for each row; then the bytes of one row side by side.
-  std::array<Bytes, 16> ends;
-  ends[14].of = ends[15].of = _mm_setzero_si128();
-  [&]<std::size_t... d>(std::index_sequence<d...>) {
-    ((ends[d].of = row_bytes(nodes[end_kind(kind, d)], x, end_step(kind, d))), ...);
-  }
-  (std::make_index_sequence<kDirections>());
-  std::array<Bytes, 8> fours;  // of rows 0 to 3, then 4 to 7
-  for (std::size_t i = 0; i < 4; ++i) {
-    const __m128i low = _mm_unpacklo_epi8(ends[4 * i].of, ends[4 * i + 1].of);
-    const __m128i high = _mm_unpacklo_epi8(ends[4 * i + 2].of, ends[4 * i + 3].of);
-    fours[i].of = _mm_unpacklo_epi16(low, high);
-    fours[i + 4].of = _mm_unpackhi_epi16(low, high);
-  }
-  for (std::size_t i = 0; i < 8; i += 4) {
-    const __m128i a = fours[i].of, b = fours[i + 1].of, c = fours[i + 2].of,
-                  d = fours[i + 3].of;
-    const __m128i low_ab = _mm_unpacklo_epi32(a, b), low_cd = _mm_unpacklo_epi32(c, d);
-    const __m128i high_ab = _mm_unpackhi_epi32(a, b), high_cd = _mm_unpackhi_epi32(c, d);
-    rows[i].of = _mm_unpacklo_epi64(low_ab, low_cd);
-    rows[i + 1].of = _mm_unpackhi_epi64(low_ab, low_cd);
-    rows[i + 2].of = _mm_unpacklo_epi64(high_ab, high_cd);
-    rows[i + 3].of = _mm_unpackhi_epi64(high_ab, high_cd);
-  }
 }
 
 bool has_tet_of_zeros(const NodeLink& link) noexcept { return kWithTriangle.has(link.zero); }

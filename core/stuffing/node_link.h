@@ -7,7 +7,6 @@
 #include <cstdint>
 
 #include "core/base/brick_mask.h"
-#include "core/base/sse.h"
 #include "core/lattice/bcc.h"
 
 namespace tet {
@@ -37,39 +36,6 @@ NodeLink link_of(const std::array<HaloSet, kNodeKinds>& plus,
                  const std::array<HaloSet, kNodeKinds>& zero,
                  NodeKind kind,
                  int node) noexcept;
-
-/// The links of all of a brick's own nodes of one kind with the same x: cheaper than one by
-/// one.
-class LinksOfSlice {
- public:
-  LinksOfSlice(const std::array<HaloSet, kNodeKinds>& plus,
-               const std::array<HaloSet, kNodeKinds>& zero,
-               NodeKind kind,
-               int x) noexcept;
-
-  NodeLink at(int y, int z) const noexcept {
-    return {ends_in(plus_, y, z), ends_in(zero_, y, z)};
-  }
-
- private:
-  struct Bytes {
-    __m128i of;
-  };
-  /// For each row, a byte for each direction, with a bit for each z.
-  using RowsOfEnds = std::array<Bytes, 8>;
-
-  template <NodeKind kind>
-  static void find_ends(const std::array<HaloSet, kNodeKinds>& nodes,
-                        int x,
-                        RowsOfEnds& rows) noexcept;
-  static DirectionSet ends_in(const RowsOfEnds& rows, int y, int z) noexcept {
-    const __m128i bit_on_top =
-        _mm_sll_epi64(rows[static_cast<std::size_t>(y)].of, _mm_cvtsi32_si128(7 - z));
-    return static_cast<DirectionSet>(_mm_movemask_epi8(bit_on_top));
-  }
-
-  RowsOfEnds plus_, zero_;
-};
 
 /// Whether the node and three zeros beside it are a tet.
 bool has_tet_of_zeros(const NodeLink& link) noexcept;

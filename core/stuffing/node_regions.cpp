@@ -2,86 +2,18 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 #include "core/base/vector_clones.h"
-
-// Rows are passed by reference and always inlined: what a vector is passed in depends on the
-// processor.
-#define TET_INLINE [[gnu::always_inline]] inline
+#include "core/stuffing/node_rows.h"
 
 namespace tet {
 namespace {
 
+using internal::add_beside, internal::any, internal::read, internal::Rows, internal::write;
+
 constexpr std::size_t kPlanes = NodePlanes::kPlanes;
-
-/// All rows of a plane: what is done to one is done to each.
-using Rows = std::uint16_t __attribute__((vector_size(sizeof(NodePlane))));
-
-TET_INLINE void read(const NodePlane& plane, Rows& rows) noexcept {
-  std::memcpy(&rows, plane.word.data(), sizeof(rows));
-}
-TET_INLINE void write(const Rows& rows, NodePlane& plane) noexcept {
-  std::memcpy(plane.word.data(), &rows, sizeof(rows));
-}
-TET_INLINE bool any(const Rows& rows) noexcept {
-  NodePlane plane;
-  write(rows, plane);
-  return (plane.word[0] | plane.word[1] | plane.word[2] | plane.word[3]) != 0;
-}
-
-/// Adds each row to the one before it.
-TET_INLINE void add_to_previous(const Rows& rows, Rows& found) noexcept {
-  constexpr Rows kNone{};
-  found |= __builtin_shufflevector(rows, kNone, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
-                                   15, 16);
-}
-TET_INLINE void add_to_next(const Rows& rows, Rows& found) noexcept {
-  constexpr Rows kNone{};
-  found |= __builtin_shufflevector(rows, kNone, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
-                                   13, 14);
-}
-
-/// Adds a plane's own nodes on long edges from these.
-TET_INLINE void add_beside_in_plane(const Rows& nodes, Rows& found) noexcept {
-  found |= nodes << 1 | nodes >> 1;
-  add_to_previous(nodes, found);
-  add_to_next(nodes, found);
-}
-
-/// Adds the centres on short edges from the corners of the next plane: each has four around it.
-TET_INLINE void add_centres_beside(const Rows& corners, Rows& found) noexcept {
-  const Rows rows = corners | corners >> 1;
-  found |= rows;
-  add_to_previous(rows, found);
-}
-TET_INLINE void add_corners_beside(const Rows& centres, Rows& found) noexcept {
-  const Rows rows = centres | centres << 1;
-  found |= rows;
-  add_to_next(rows, found);
-}
-
-/// Adds a plane's nodes on edges from these: long ones from itself and the next of its kind,
-/// short ones from the other kind.
-TET_INLINE void add_beside(const NodePlanes& from, std::size_t to, Rows& found) noexcept {
-  Rows rows, other{};
-  read(from.plane[to], rows);
-  add_beside_in_plane(rows, found);
-  const auto add_kind = [&](std::size_t plane, Rows & sum) __attribute__((always_inline)) {
-    if (plane >= kPlanes) return;
-    read(from.plane[plane], rows);
-    sum |= rows;
-  };
-  add_kind(to - 2, found);  // wraps below the first
-  add_kind(to + 2, found);
-  add_kind(to - 1, other);
-  add_kind(to + 1, other);
-  if (to % 2 == kCorner) {
-    add_corners_beside(other, found);
-  } else {
-    add_centres_beside(other, found);
-  }
-}
 
 /// A plane within the box: rows and bits beyond it are none of its nodes.
 constexpr NodePlane kWithin = [] {
@@ -104,12 +36,14 @@ std::size_t first_word(std::size_t plane) noexcept {
 class Flood {
  public:
   /// `reached` has the first ones.
-  TET_INLINE Flood(const NodePlanes& nodes, const NodePlanes& zero, NodePlanes& reached)
+  [[gnu::always_inline]] Flood(const NodePlanes& nodes,
+                               const NodePlanes& zero,
+                               NodePlanes& reached)
       : nodes_(nodes), zero_(zero), reached_(reached), nonzero_(reached) {
     nonzero_ -= zero;
   }
 
-  TET_INLINE void fill() noexcept {
+  [[gnu::always_inline]] void fill() noexcept {
     while (true) {
       start_sweep();
       for (std::size_t i = 0; i < kPlanes; ++i) flow(i);
@@ -121,10 +55,10 @@ class Flood {
   }
 
  private:
-  TET_INLINE void start_sweep() noexcept { grown_ = left_ = Rows{}; }
-  TET_INLINE bool ended() const noexcept { return !any(grown_) || !any(left_); }
+  [[gnu::always_inline]] void start_sweep() noexcept { grown_ = left_ = Rows{}; }
+  [[gnu::always_inline]] bool ended() const noexcept { return !any(grown_) || !any(left_); }
 
-  TET_INLINE void flow(std::size_t to) noexcept {
+  [[gnu::always_inline]] void flow(std::size_t to) noexcept {
     Rows nodes, reached;
     read(nodes_.plane[to], nodes);
     read(reached_.plane[to], reached);
@@ -168,7 +102,63 @@ void find_beside(const NodePlanes& nodes, NodePlanes& found) noexcept {
   }
 }
 
+TET_VECTOR_CLONES
+void split_star(const NodeSets& all_plus,
+                const NodeSets& all_zero,
+                const NodePlanes& within,
+                StarSigns& star) noexcept {
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const std::uint64_t* const plus = &all_plus[i % 2].word[first_word(i)];
+    const std::uint64_t* const zero = &all_zero[i % 2].word[first_word(i)];
+    Rows rows, plus_rows, zero_rows;
+    read(within.plane[i], rows);
+    std::memcpy(&plus_rows, plus, sizeof(plus_rows));
+    std::memcpy(&zero_rows, zero, sizeof(zero_rows));
+    write(rows & plus_rows, star.plus.plane[i]);
+    write(rows & zero_rows, star.zero.plane[i]);
+    write(rows & ~(plus_rows | zero_rows), star.minus.plane[i]);
+  }
+}
+
+TET_VECTOR_CLONES
+void find_lone(const StarSigns& star, NodePlanes& lone) noexcept {
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    Rows zero;
+    read(star.zero.plane[i], zero);
+    if (any(zero)) {
+      Rows beside{};
+      add_beside(star.minus, i, beside);
+      zero &= ~beside;
+    }
+    write(zero, lone.plane[i]);
+  }
+}
+
+const NodePlanes& star_planes() noexcept {
+  static const NodePlanes star(kBrickStar);
+  return star;
+}
+
 }  // namespace
+
+StarSigns::StarSigns(const NodeSets& all_plus, const NodeSets& all_zero) noexcept {
+  split_star(all_plus, all_zero, star_planes(), *this);
+}
+
+NodePlanes lone_zeros(const StarSigns& star) noexcept {
+  NodePlanes lone;
+  find_lone(star, lone);
+  return lone;
+}
+
+TET_VECTOR_CLONES
+bool NodePlanes::any() const noexcept {
+  std::array<std::uint64_t, NodePlane::kWords> words{};
+  for (const NodePlane& of : plane) {
+    for (std::size_t w = 0; w < words.size(); ++w) words[w] |= of.word[w];
+  }
+  return (words[0] | words[1] | words[2] | words[3]) != 0;
+}
 
 NodePlanes::NodePlanes(const NodeSets& nodes) noexcept {
   for (std::size_t i = 0; i < kPlanes; ++i) {
@@ -179,8 +169,7 @@ NodePlanes::NodePlanes(const NodeSets& nodes) noexcept {
 
 TET_VECTOR_CLONES
 NodePlanes NodePlanes::in_star(const NodeSets& nodes) noexcept {
-  static const NodePlanes star(kBrickStar);
-  return NodePlanes(nodes) & star;
+  return NodePlanes(nodes) & star_planes();
 }
 
 NodeSets NodePlanes::sets() const noexcept {
@@ -222,7 +211,7 @@ bool meet(const NodePlanes& a, const NodePlanes& b) noexcept {
     for (std::size_t w = 0; w < NodePlane::kWords; ++w)
       common.word[w] |= a.plane[i].word[w] & b.plane[i].word[w];
   }
-  return !(common == NodePlane());
+  return (common.word[0] | common.word[1] | common.word[2] | common.word[3]) != 0;
 }
 
 NodePlanes nodes_beside(const NodePlanes& nodes) noexcept {
@@ -246,4 +235,3 @@ NodePlanes first_region(const NodePlanes& nodes, const NodePlanes& zero) noexcep
 }
 
 }  // namespace tet
-#undef TET_INLINE

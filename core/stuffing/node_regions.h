@@ -52,7 +52,7 @@ struct NodePlanes {
   const NodePlane& of(NodeKind kind, int x) const noexcept {
     return plane[static_cast<std::size_t>(2 * (x - kMin) + kind)];
   }
-  bool any() const noexcept { return !(*this == NodePlanes()); }
+  bool any() const noexcept;
 
   NodePlanes& operator|=(const NodePlanes& o) noexcept;
   NodePlanes& operator&=(const NodePlanes& o) noexcept;
@@ -65,6 +65,17 @@ struct NodePlanes {
 };
 
 bool meet(const NodePlanes& a, const NodePlanes& b) noexcept;
+
+/// The nodes of a brick's star by their signs.
+struct StarSigns {
+  NodePlanes plus, zero, minus;
+
+  /// The signs of nodes are valid for [-1, 8]^3; others are `-`.
+  StarSigns(const NodeSets& all_plus, const NodeSets& all_zero) noexcept;
+};
+
+/// Zeros of the star without a `-` of it beside them.
+NodePlanes lone_zeros(const StarSigns& star) noexcept;
 
 /// The nodes of the box with an edge to one of these; some of them may be of these.
 NodePlanes nodes_beside(const NodePlanes& nodes) noexcept;

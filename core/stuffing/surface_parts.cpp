@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/base/vector_clones.h"
 #include "core/lattice/background.h"
@@ -75,9 +76,40 @@ PartVertices vertices_between(const NodeRegion& inside,
   return part;
 }
 
-bool has_own_vertex(const PartVertices& part) noexcept {
-  return std::any_of(part.slot.begin(), part.slot.end(),
-                     [](const HaloSet& nodes) { return brick_part(nodes).any(); });
+/// How many vertices of a part are of some nodes.
+TET_VECTOR_CLONES
+std::size_t count_within(const PartVertices& part, const HaloSet& nodes) noexcept {
+  std::size_t count = 0;
+  for (const HaloSet& vertices : part.slot) {
+    for (std::size_t w = kFirstPlaneWord; w < kEndPlaneWord; ++w) {
+      count += static_cast<std::size_t>(std::popcount(vertices.word[w] & nodes.word[w]));
+    }
+  }
+  return count;
+}
+
+TET_VECTOR_CLONES
+bool any_within(const PartVertices& part, const HaloSet& nodes) noexcept {
+  std::uint64_t any = 0;
+  for (const HaloSet& vertices : part.slot) {
+    for (std::size_t w = kFirstPlaneWord; w < kEndPlaneWord; ++w) {
+      any |= vertices.word[w] & nodes.word[w];
+    }
+  }
+  return any != 0;
+}
+
+/// Calls `visit(slot, index)` for the vertices of a part that are of some nodes.
+template <class Visit>
+void for_each_within(const PartVertices& part, const HaloSet& nodes, const Visit& visit) {
+  for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
+    for (std::size_t w = kFirstPlaneWord; w < kEndPlaneWord; ++w) {
+      for (std::uint64_t bits = part.slot[slot].word[w] & nodes.word[w]; bits != 0;
+           bits &= bits - 1) {
+        visit(slot, static_cast<int>(w * 64) + std::countr_zero(bits));
+      }
+    }
+  }
 }
 
 constexpr HaloSet kOtherNodes = halo_cube(NodePlanes::kMin, NodePlanes::kMax) - kOwnNodes;
@@ -95,13 +127,12 @@ constexpr HaloSet kLaterNodes = [] {
 /// Lists what a part has in later bricks; in earlier ones too, where only they have something
 /// of it to hold on to.
 void add_links(const PartVertices& vertices, SurfaceParts& parts) {
-  const HaloSet& linked = has_own_vertex(vertices) ? kLaterNodes : kOtherNodes;
-  for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
-    for_each_bit(vertices.slot[slot] & linked, [&](int index) {
-      const VertexOwner owner(index);
-      parts.links.push_back({owner.brick, owner.element(slot), parts.count});
-    });
-  }
+  const HaloSet& linked = any_within(vertices, kOwnNodes) ? kLaterNodes : kOtherNodes;
+  parts.links.reserve(parts.links.size() + count_within(vertices, linked));
+  for_each_within(vertices, linked, [&](std::size_t slot, int index) {
+    const VertexOwner owner(index);
+    parts.links.push_back({owner.brick, owner.element(slot), parts.count});
+  });
 }
 
 /// Lists what a part has here.

@@ -18,6 +18,9 @@ struct SurfaceSheet {
   /// Later bricks, at the places 14 .. 26 around this one (see PlacesAround), that see some of
   /// the same crossings.
   std::uint16_t later = 0;
+  /// The `+` nodes hang together and the `-` nodes do, but some zeros have no `-` beside them,
+  /// so that it takes a closer look whether there is one sheet.
+  bool has_plain_sides = false;
 };
 
 /// A surface that cuts a ball in pieces has as many as there are regions on both of its sides,
@@ -25,8 +28,7 @@ struct SurfaceSheet {
 /// set of nodes is cheaper than following a surface. Edges between zeros do not count as
 /// connections: they may lie within the inside, with no boundary along them. So it may fail to
 /// be seen that there is one, but never the reverse.
-SurfaceSheet surface_sheet(const std::array<HaloSet, kNodeKinds>& plus,
-                           const std::array<HaloSet, kNodeKinds>& zero) noexcept;
+SurfaceSheet surface_sheet(const SignedNodes& signs) noexcept;
 
 /// The sheet between regions that have one.
 SurfaceSheet sheet_between(const SurfaceRegions& regions) noexcept;

@@ -1,32 +1,14 @@
 #include "core/stuffing/surface_topology.h"
 
-#include <bit>
 #include <cstddef>
 
-#include "core/base/vector_clones.h"
-#include "core/stuffing/cell_nodes.h"
-#include "core/stuffing/count_tets.h"
+#include "core/stuffing/count_triangles.h"
 #include "core/stuffing/node_link.h"
+#include "core/stuffing/nodes_near.h"
+#include "core/stuffing/plain_zeros.h"
 
 namespace tet {
 namespace {
-
-/// Counts the tets `+000` whose three zeros are a triangle of the boundary: the tet behind them
-/// is not inside, too.
-std::uint64_t count_zero_triangles(const WarpedLattice& lattice,
-                                   const ThreeZeros& three_zeros) noexcept {
-  std::uint64_t count = 0;
-  for (std::size_t s = 0; s < kTetShapes; ++s) {
-    const TetShape& shape = kTetShape[s];
-    for_each_bit(three_zeros[s], [&](int x, int y, int z) {
-      const int cell = halo_index(x, y, z);
-      std::size_t plus = 0;
-      while (!lattice.plus[shape.kind[plus]].test(cell + shape.offset[plus])) ++plus;
-      count += lattice.plus[shape.kind[plus]].test(cell + kMirrored[s][plus]) ? 0 : 1;
-    });
-  }
-  return count;
-}
 
 std::uint64_t count_cut_points(const StuffedBrick& kept) noexcept {
   std::uint64_t count = 0;
@@ -52,17 +34,14 @@ void count_zero(const NodeLink& link, SurfaceCounts& counts) noexcept {
 /// Counts what the surface has at all of the brick's own zero nodes.
 void count_zeros(const WarpedLattice& lattice,
                  const StuffedBrick& kept,
+                 const NodesNear& nodes,
                  SurfaceCounts& counts) noexcept {
+  const NodeMasks plain = plain_zeros(nodes, corner_with_most(kept.plus[kCorner]));
   for (const NodeKind kind : {kCorner, kCentre}) {
-    for (int x = 0; x < 8; ++x) {
-      std::uint64_t bits = kept.zero[kind].slice[static_cast<std::size_t>(x)];
-      if (bits == 0) continue;
-      const LinksOfSlice links(lattice.plus, lattice.zero, kind, x);
-      for (; bits != 0; bits &= bits - 1) {
-        const int bit = std::countr_zero(bits);
-        count_zero(links.at(bit >> 3, bit & 7), counts);
-      }
-    }
+    counts.vertices += (kept.zero[kind] & plain[kind]).count();
+    for_each_bit(kept.zero[kind] & ~plain[kind], [&](int x, int y, int z) {
+      count_zero(link_of(lattice.plus, lattice.zero, kind, halo_index(x, y, z)), counts);
+    });
   }
 }
 
@@ -86,17 +65,14 @@ std::int64_t SurfaceCounts::euler_characteristic() const noexcept {
   return static_cast<std::int64_t>(vertices) - edges + static_cast<std::int64_t>(triangles);
 }
 
-TET_VECTOR_CLONES
 SurveyedSurface survey_surface(const WarpedLattice& lattice,
                                const StuffedBrick& kept) noexcept {
   SurveyedSurface found;
-  ThreeZeros three_zeros;
-  found.counts.triangles =
-      count_cut_triangles(nodes_around_cells(lattice.plus, lattice.zero), three_zeros);
-  found.counts.triangles += count_zero_triangles(lattice, three_zeros);
+  const NodesNear nodes(lattice.plus, lattice.zero);
+  found.counts.triangles = count_triangles(nodes);
   found.counts.vertices = count_cut_points(kept);
-  count_zeros(lattice, kept, found.counts);
-  found.sheet = surface_sheet(lattice.plus, lattice.zero);
+  count_zeros(lattice, kept, nodes, found.counts);
+  found.sheet = surface_sheet({lattice.plus, lattice.zero});
   return found;
 }
 

@@ -107,13 +107,25 @@ bool lost_its_inside(const StuffedLattice& lattice) noexcept {
          brick_part(lattice.cuts.signs.inside[kCorner]).any();
 }
 
+/// The regions on either side of the surface; `plain_sides` as of its sheet.
+SurfaceRegions regions_of(const SignedNodes& signs, bool plain_sides) {
+  if (plain_sides) {
+    const StarSigns star(signs.plus, signs.zero);
+    const auto inner = find_inner_zeros(star, lone_zeros(star), signs);
+    if (inner) return {star, *inner};
+  }
+  return SurfaceRegions(signs);
+}
+
 /// Finds the parts of a surface that is not plainly one sheet.
 void survey_parts(const WarpedLattice& lattice,
                   SurfaceWorkspace& workspace,
                   SurveyedBrick& found) {
-  const SurfaceRegions regions(lattice);
+  SurfaceSheet& sheet = found.surface.sheet;
+  const SurfaceRegions regions =
+      regions_of({lattice.plus, lattice.zero}, sheet.has_plain_sides);
   if (regions.have_one_sheet()) {
-    found.surface.sheet = sheet_between(regions);
+    sheet = sheet_between(regions);
     return;
   }
   std::optional<SurfaceParts> parts = parts_between_regions(regions);

@@ -19,23 +19,6 @@ Nodes random_nodes(std::mt19937_64& random) {
   return nodes;
 }
 
-TEST(LinksOfSlice, AreThoseOfItsNodesOneByOne) {
-  std::mt19937_64 random(1);
-  const Nodes plus = random_nodes(random), zero = random_nodes(random);
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for (int x = 0; x < 8; ++x) {
-      const LinksOfSlice links(plus, zero, kind, x);
-      for (int y = 0; y < 8; ++y) {
-        for (int z = 0; z < 8; ++z) {
-          const NodeLink link = link_of(plus, zero, kind, halo_index(x, y, z));
-          EXPECT_EQ(links.at(y, z).plus, link.plus);
-          EXPECT_EQ(links.at(y, z).zero, link.zero);
-        }
-      }
-    }
-  }
-}
-
 TEST(Link, HasTheEndsOfItsNodesEdges) {
   std::mt19937_64 random(2);
   const Nodes plus = random_nodes(random);

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
-#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -19,55 +16,13 @@
 #include "core/stuffing/node_regions.h"
 #include "core/stuffing/surface_regions.h"
 #include "core/stuffing/surface_sheet.h"
+#include "tests/core/stuffing/waves.h"
 #include "tests/support/sanitized.h"
 
 namespace tet {
 namespace {
 
-/// A sum of waves, rounded: sheets, thin walls, and nodes that are exactly zero.
-class Waves {
- public:
-  explicit Waves(std::uint32_t seed) : random_(seed) {
-    for (Wave& wave : waves_) {
-      wave = {draw(-0.7, 0.7), draw(-0.7, 0.7), draw(-0.7, 0.7), draw(0, 6.3)};
-    }
-    offset_ = draw(-1, 1);
-    steps_ = draw(0.6, 8);
-  }
-  long operator()(LatticeCoord at) const {
-    double sum = offset_;
-    for (const auto& [x, y, z, phase] : waves_) {
-      sum += std::sin(0.5 * (x * at.x + y * at.y + z * at.z) + phase);
-    }
-    return std::lround(steps_ * sum);
-  }
-
- private:
-  struct Wave {
-    double x, y, z, phase;
-  };
-  double draw(double low, double high) {
-    return std::uniform_real_distribution(low, high)(random_);
-  }
-
-  std::mt19937 random_;
-  std::array<Wave, 3> waves_;
-  double offset_ = 0, steps_ = 1;
-};
-
-/// The nodes of a cube, those of [-1, 8]^3 if a brick is asked what it sees.
-std::unique_ptr<WarpedLattice> lattice_of(const Waves& waves,
-                                          const HaloSet& cube = halo_cube(-1, 8)) {
-  auto lattice = std::make_unique<WarpedLattice>();
-  for (const NodeKind kind : {kCorner, kCentre}) {
-    for_each_bit(cube, [&](int index) {
-      const long value = waves(node_coord(kind, index));
-      if (value > 0) lattice->plus[kind].set(index);
-      if (value == 0) lattice->zero[kind].set(index);
-    });
-  }
-  return lattice;
-}
+using test::lattice_of, test::Waves;
 
 /// A vertex of the surface: its slot (see VertexOwner), and its node's halo index.
 using Vertex = std::pair<std::size_t, int>;
@@ -167,7 +122,7 @@ TEST(SurfaceSheet, IsOneOnlyWhereTheSurfaceHangsTogether) {
   for (std::uint32_t seed = 0; seed < test::sanitized_or(60U, 200U); ++seed) {
     SCOPED_TRACE(seed);
     const auto lattice = lattice_of(Waves(seed));
-    if (!surface_sheet(lattice->plus, lattice->zero).one) continue;
+    if (!surface_sheet({lattice->plus, lattice->zero}).one) continue;
     ++sheets;
     EXPECT_LE(Surface(*lattice, kBrickStar).count_parts(), 1U);
   }
@@ -180,8 +135,8 @@ TEST(SurfaceRegions, HaveOneSheetOnlyWhereTheSurfaceHangsTogether) {
     SCOPED_TRACE(seed);
     const Waves waves(seed);
     const auto lattice = lattice_of(waves);
-    if (surface_sheet(lattice->plus, lattice->zero).one) continue;
-    if (!SurfaceRegions(*lattice).have_one_sheet()) continue;
+    if (surface_sheet({lattice->plus, lattice->zero}).one) continue;
+    if (!SurfaceRegions({lattice->plus, lattice->zero}).have_one_sheet()) continue;
     ++sheets;
     const auto around = lattice_of(waves, kAround);
     const Surface surface(*around, kNodesAround);
@@ -198,7 +153,7 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
     SCOPED_TRACE(seed);
     const Waves waves(seed);
     const auto lattice = lattice_of(waves), around = lattice_of(waves, kAround);
-    const auto parts = parts_between_regions(SurfaceRegions(*lattice));
+    const auto parts = parts_between_regions(SurfaceRegions({lattice->plus, lattice->zero}));
     if (!parts) continue;
     ++told;
     EXPECT_TRUE(std::ranges::is_sorted(parts->part_of));
@@ -248,7 +203,7 @@ TEST(PartsBetweenRegions, HangTogetherAroundABlockOfZeros) {
     lattice.plus[kind] = halo_cube(-1, 8) - block;
     lattice.zero[kind] = block;
   }
-  const SurfaceRegions regions(lattice);
+  const SurfaceRegions regions({lattice.plus, lattice.zero});
   EXPECT_TRUE(regions.have_one_sheet());
   EXPECT_TRUE(sheet_between(regions).one);
   EXPECT_EQ(parts_between_regions(regions)->count, 1);
@@ -261,7 +216,7 @@ TEST(PartsBetweenRegions, AreNoneAroundALoneZeroOfTheInside) {
   zero.set(halo_index(4, 4, 4));
   lattice.zero[kCorner] = zero;
   lattice.plus[kCorner] -= zero;
-  const auto parts = parts_between_regions(SurfaceRegions(lattice));
+  const auto parts = parts_between_regions(SurfaceRegions({lattice.plus, lattice.zero}));
   ASSERT_TRUE(parts.has_value());
   EXPECT_EQ(parts->count, 0);
 }
@@ -278,7 +233,7 @@ TEST(PartsBetweenRegions, HangTogetherWhereZerosAreBesideEachOtherAtTheRim) {
   lattice.plus[kCorner] -= zeros;
   lattice.plus[kCentre] -= minus;
   ASSERT_FALSE(kBrickStar[kCentre].test(halo_index(7, 8, 8)));
-  const SurfaceRegions regions(lattice);
+  const SurfaceRegions regions({lattice.plus, lattice.zero});
   EXPECT_EQ(regions.others.size(), 1U);
   EXPECT_TRUE(regions.have_one_sheet());
 }
@@ -293,7 +248,7 @@ TEST(SurfaceRegions, HaveNoSheetWhereAZeroOfAnotherBrickMayBeInner) {
   lattice.zero[kCorner] = zero;
   lattice.plus[kCorner] -= zero;
   lattice.plus[kCentre] -= minus;
-  const SurfaceRegions regions(lattice);
+  const SurfaceRegions regions({lattice.plus, lattice.zero});
   EXPECT_EQ(regions.others.size(), 1U);
   EXPECT_FALSE(regions.have_one_sheet());
 }

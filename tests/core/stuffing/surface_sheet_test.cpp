@@ -25,7 +25,7 @@ constexpr auto kNowhere = [](LatticeCoord) { return false; };
 
 TEST(SurfaceSheet, IsOneAtAPlane) {
   const NodeSets below = nodes_where([](LatticeCoord at) { return at.x + at.y < 11; });
-  const SurfaceSheet sheet = surface_sheet(below, nodes_where(kNowhere));
+  const SurfaceSheet sheet = surface_sheet({below, nodes_where(kNowhere)});
   EXPECT_TRUE(sheet.any);
   EXPECT_TRUE(sheet.one);
   // It goes on in the brick one step along z, at place 14, and not in the one along all axes.
@@ -35,7 +35,7 @@ TEST(SurfaceSheet, IsOneAtAPlane) {
 
 TEST(SurfaceSheet, IsNotOneAtAPlate) {
   const NodeSets plate = nodes_where([](LatticeCoord at) { return at.z > 4 && at.z < 10; });
-  const SurfaceSheet sheet = surface_sheet(plate, nodes_where(kNowhere));
+  const SurfaceSheet sheet = surface_sheet({plate, nodes_where(kNowhere)});
   EXPECT_TRUE(sheet.any);
   EXPECT_FALSE(sheet.one);
 }
@@ -43,8 +43,8 @@ TEST(SurfaceSheet, IsNotOneAtAPlate) {
 TEST(SurfaceSheet, IsNothingBesideABrick) {
   // Nodes that no edge leads to from the brick's own.
   const NodeSets beyond = nodes_where([](LatticeCoord at) { return at.x == 17 && at.y == 17; });
-  EXPECT_FALSE(surface_sheet(beyond, nodes_where(kNowhere)).any);
-  EXPECT_FALSE(surface_sheet(nodes_where(kNowhere), nodes_where(kNowhere)).any);
+  EXPECT_FALSE(surface_sheet({beyond, nodes_where(kNowhere)}).any);
+  EXPECT_FALSE(surface_sheet({nodes_where(kNowhere), nodes_where(kNowhere)}).any);
 }
 
 TEST(SurfaceSheet, IsNotHeldTogetherByEdgesBetweenZeros) {
@@ -54,8 +54,8 @@ TEST(SurfaceSheet, IsNotHeldTogetherByEdgesBetweenZeros) {
   };
   const auto zero = [&](LatticeCoord at) { return hollow(at) && (at.z == 4 || at.z == 6); };
   const NodeSets plus = nodes_where([&](LatticeCoord at) { return !hollow(at); });
-  EXPECT_FALSE(surface_sheet(plus, nodes_where(zero)).one);
-  EXPECT_TRUE(surface_sheet(plus, nodes_where(kNowhere)).one);
+  EXPECT_FALSE(surface_sheet({plus, nodes_where(zero)}).one);
+  EXPECT_TRUE(surface_sheet({plus, nodes_where(kNowhere)}).one);
 }
 
 }  // namespace
