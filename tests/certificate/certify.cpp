@@ -170,7 +170,7 @@ class Search {
     return true;
   }
 
-  /// The same of a node whose tet is positive all over its box.
+  /// Lowers the bound of a node whose tet is positive all over its box.
   bool lower_bound_of(Node& node, const Dihedral& over_box) {
     const LinearForm form = linear_form(node, over_box);
     double value = std::min(badness(over_box.cotangent).upper(), upper_bound(form, node.box));

@@ -20,8 +20,8 @@ struct LabelReference {
   std::map<LatticeCoord, Label> staying;
 };
 
-/// The uniform meshes of a domain, at the limits of the warp that both sides have: for each of at
-/// most 32 labels, that without its tets; kJoker leaves nothing out.
+/// The uniform meshes of a domain, at the limits of the warp that both sides have: for each of
+/// at most 32 labels, that without its tets; kJoker leaves nothing out.
 std::vector<LabelReference> reference_labels(const LabelFunctions& functions,
                                              const BrickBox& domain,
                                              const std::vector<Label>& left_out = {kJoker});

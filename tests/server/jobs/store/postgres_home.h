@@ -36,8 +36,8 @@ class PostgresHome final : public StoreHome {
   std::vector<std::string> worker_arguments() const override {
     return {"postgres", connection()};
   }
-  /// Leaves the rows and sequences of a store that was just made, whatever tables it has: making
-  /// those takes longer than most tests.
+  /// Leaves the rows and sequences of a store that was just made, whatever tables it has:
+  /// making those takes longer than most tests.
   void empty() const {
     postgres_server().run(schema_, R"sql(
 DO $$ DECLARE name text; BEGIN

@@ -39,10 +39,11 @@ TEST(PostgresJobStore, SaysWhyThereIsNoConnection) {
 
 /// All rows of all tables, and where sequences are.
 std::string contents(const PostgresHome& home) {
-  return query(home.connection(),
-               "SELECT string_agg(relname || table_to_xml(oid, true, true, '')::text, ' ' ORDER "
-               "BY relname) FROM pg_class WHERE relnamespace = current_schema::regnamespace AND "
-               "relkind IN ('r', 'p') AND NOT relispartition") +
+  return query(
+             home.connection(),
+             "SELECT string_agg(relname || table_to_xml(oid, true, true, '')::text, ' ' ORDER "
+             "BY relname) FROM pg_class WHERE relnamespace = current_schema::regnamespace AND "
+             "relkind IN ('r', 'p') AND NOT relispartition") +
          query(home.connection(),
                "SELECT string_agg(sequencename || COALESCE(last_value, 0), ' ' ORDER BY "
                "sequencename) FROM pg_sequences WHERE schemaname = current_schema");
