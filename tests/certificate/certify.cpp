@@ -17,6 +17,7 @@ struct Node {
   double bound = kInfinity;  ///< no badness in the box is larger
   std::uint32_t problem = 0;
   std::uint8_t tet = 0, angle = 0;
+  std::uint8_t split_at = 0;  ///< the parameter whose range is halved next
   Box box;
 };
 
@@ -103,7 +104,7 @@ class Search {
   }
 
   void split(const Node& node) {
-    const std::size_t k = parameter_to_split(node);
+    const std::size_t k = node.split_at;
     const double middle = middle_of(node.box[k]);
     Node low = node, high = node;
     low.box[k] = Interval(node.box[k].lower(), middle);
@@ -125,14 +126,13 @@ class Search {
 
   /// The widest one, measured by how much the angle changes along it; where there is no bound
   /// yet, by how far corners go along it. Who wins a contest may depend on any of them.
-  std::size_t parameter_to_split(const Node& node) const {
+  std::uint8_t parameter_to_split(const Node& node, const Dihedral& over_box) const {
     constexpr double kLeastSlope = 1;
-    const Dihedral at = enclose_dihedral(tet_of(node), node.angle, node.box, 0);
     const bool by_slope = node.bound < kInfinity && problem_of(node).rival.empty();
-    std::size_t best = 0;
+    std::uint8_t best = 0;
     double most = -1;
-    for (std::size_t k = 0; k < problem_of(node).parameter_count; ++k) {
-      const double slope = by_slope ? boost::numeric::norm(at.slope[k]) + kLeastSlope
+    for (std::uint8_t k = 0; k < problem_of(node).parameter_count; ++k) {
+      const double slope = by_slope ? boost::numeric::norm(over_box.slope[k]) + kLeastSlope
                            : problem_of(node).rival.empty() ? reach_of(tet_of(node), k)
                                                             : 1;
       const double change = (node.box[k].upper() - node.box[k].lower()) * slope;
@@ -165,15 +165,22 @@ class Search {
       over_box = enclose_dihedral(tet_of(node), node.angle, node.box, 0);
     }
     look_at_worst_corner(node, over_box);
-    if (!over_box.positive) return true;
+    if (over_box.positive && !lower_bound_of(node, over_box)) return false;
+    node.split_at = parameter_to_split(node, over_box);
+    return true;
+  }
+
+  /// Lowers the bound of a node whose tet is positive all over its box.
+  bool lower_bound_of(Node& node, const Dihedral& over_box) {
     const LinearForm form = linear_form(node, over_box);
     double value = std::min(badness(over_box.cotangent).upper(), upper_bound(form, node.box));
-    if (!problem_of(node).rival.empty() && displaced(node, value) > enough_) {
+    const double turn = turn_of(node);
+    if (!problem_of(node).rival.empty() && displaced(value, turn) > enough_) {
       const Contest contest(problem_of(node), node.box);
       if (contest.lost()) return false;
       value = std::min({value, contest.limit(sign_ < 0), contest.bound(form)});
     }
-    node.bound = std::min(node.bound, displaced(node, value));
+    node.bound = std::min(node.bound, displaced(value, turn));
     return true;
   }
 
@@ -210,12 +217,18 @@ class Search {
     return form;
   }
 
-  /// A badness in the box, after every corner moved by up to the displacement.
-  double displaced(const Node& node, double value) const {
-    if (displacement_ == 0) return value;
-    const Dihedral moved = enclose_dihedral(tet_of(node), node.angle, node.box, displacement_);
-    if (!moved.positive) return kInfinity;
-    return turned(value, (moved.sensitivity * Interval(displacement_)).upper());
+  /// How many radians an angle in the box turns at most when every corner moves by up to the
+  /// displacement.
+  double turn_of(const Node& node) const {
+    if (displacement_ == 0) return 0;
+    const Interval sensitivity =
+        enclose_positive_sensitivity(tet_of(node), node.angle, node.box, displacement_);
+    return (sensitivity * Interval(displacement_)).upper();
+  }
+
+  /// A badness after its angle turned so far.
+  double displaced(double value, double turn) const {
+    return displacement_ == 0 ? value : turned(value, turn);
   }
 
   /// Evaluates the badness where its slopes lead, to know how far the bound can still fall.
@@ -237,8 +250,9 @@ class Search {
       if (active(order, point.box)) return;
     }
     if (!problem.rival.empty() && Contest(problem, point.box).lost()) return;
-    const Dihedral at = enclose_dihedral(tet_of(node), node.angle, point.box, 0);
-    if (at.positive) note_seen(displaced(point, badness(at.cotangent).lower()));
+    const double value =
+        badness(enclose_cotangent(tet_of(node), node.angle, point.box)).lower();
+    if (value > -kInfinity) note_seen(displaced(value, turn_of(point)));
   }
 
   /// What is no worse than the worst seen, but for the tolerance, needs no closer look.

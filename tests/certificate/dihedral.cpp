@@ -8,17 +8,24 @@
 namespace tet::certificate {
 namespace {
 
+bool is_still(const Place& along) { return (along[0] | along[1] | along[2]) == 0; }
+
 /// What leads from one corner to another: a parameter that moves both counts once.
 IntervalVector from_to(const Corner& from, const Corner& to, const Box& box, double blur) {
   IntervalVector way;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     way[axis] = Interval(to.base[axis] - from.base[axis]);
-    for (std::size_t k = 0; k < kParameters; ++k) {
-      const int along = to.along[k][axis] - from.along[k][axis];
-      if (along != 0) way[axis] += Interval(along) * box[k];
-    }
-    if (blur != 0) way[axis] += Interval(-blur, blur) - Interval(-blur, blur);
   }
+  for (std::size_t k = 0; k < kParameters; ++k) {
+    const Place &there = to.along[k], &here = from.along[k];
+    const Place along{there[0] - here[0], there[1] - here[1], there[2] - here[2]};
+    if (is_still(along)) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (along[axis] != 0) way[axis] += static_cast<double>(along[axis]) * box[k];
+    }
+  }
+  if (blur == 0) return way;
+  for (Interval& coordinate : way) coordinate += Interval(-blur, blur) - Interval(-blur, blur);
   return way;
 }
 
@@ -73,11 +80,19 @@ bool are_parallel(const Place& u, const Place& v) {
 bool moves_on_a_line(const Tet& tet, std::size_t k) {
   const Place* line = nullptr;
   for (const Corner& corner : tet) {
-    if (corner.along[k] == Place{}) continue;
+    if (is_still(corner.along[k])) continue;
     if (line != nullptr && !are_parallel(*line, corner.along[k])) return false;
     line = &corner.along[k];
   }
   return true;
+}
+
+/// Six volumes as Hinge has them for the first angle.
+Interval volume_over(const Tet& tet, const Box& box, double blur) {
+  const auto [a, b, c, d] = kAngleCorners[0];
+  const IntervalVector e = from_to(tet[a], tet[b], box, blur);
+  return certificate::dot(cross(e, from_to(tet[a], tet[c], box, blur)),
+                          from_to(tet[a], tet[d], box, blur));
 }
 
 /// Six volumes over a box, from its vertices: exact but for the blur and for rounding, as each
@@ -96,7 +111,7 @@ Interval volume_from_vertices(const Tet& tet, const Box& box, double blur) {
       const Interval& range = box[open[i]];
       at[open[i]] = Interval((vertex >> i & 1) != 0 ? range.upper() : range.lower());
     }
-    const Interval here = Hinge(tet, 0, at, blur).six_volumes;
+    const Interval here = volume_over(tet, at, blur);
     hull = vertex == 0 ? here : boost::numeric::hull(hull, here);
   }
   return hull;
@@ -161,7 +176,7 @@ Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, dou
   for (std::size_t k = 0; k < kParameters; ++k) {
     Interval slope(0);
     const auto add = [&](const Place& along, const Interval& share_u, const Interval& share_v) {
-      if (along == Place{}) return;
+      if (is_still(along)) return;
       slope += share_u * by_u * dot(hinge.u, along) - share_v * by_v * dot(hinge.v, along);
     };
     add(tet[a].along[k], -rest_lambda, -rest_mu);
@@ -176,6 +191,15 @@ Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, dou
 
 Interval enclose_sensitivity(const Tet& tet, std::size_t angle, const Box& box, double blur) {
   return sensitivity_of(Hinge(tet, angle, box, blur));
+}
+
+Interval enclose_positive_sensitivity(const Tet& tet,
+                                      std::size_t angle,
+                                      const Box& box,
+                                      double blur) {
+  const Hinge hinge = sharp_hinge(tet, angle, box, blur);
+  if (!(hinge.six_volumes.lower() > 0)) return {0, kInfinity};
+  return sensitivity_of(hinge);
 }
 
 Interval enclose_cotangent(const Tet& tet, std::size_t angle, const Box& box) {

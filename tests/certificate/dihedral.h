@@ -25,11 +25,17 @@ struct Dihedral {
 /// `blur` away from their places along each axis.
 Dihedral enclose_dihedral(const Tet& tet, std::size_t angle, const Box& box, double blur);
 
-/// Its cotangent alone.
+/// Its cotangent alone; anything where the tet may not be positive.
 Interval enclose_cotangent(const Tet& tet, std::size_t angle, const Box& box);
 
 /// Dihedral::sensitivity alone. It hangs on the two faces at the angle and not on the volume;
 /// it is infinite where one of them may have no area.
 Interval enclose_sensitivity(const Tet& tet, std::size_t angle, const Box& box, double blur);
+
+/// Dihedral::sensitivity alone, and infinite where the tet may not be positive, too.
+Interval enclose_positive_sensitivity(const Tet& tet,
+                                      std::size_t angle,
+                                      const Box& box,
+                                      double blur);
 
 }  // namespace tet::certificate

@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import unittest
 
@@ -81,18 +82,25 @@ def images(folder):
 class Commands(ServerTest):
     volumes = {}
 
+    @classmethod
+    def setUpClass(cls):
+        """Makes the pages' files once; each page's commands find copies, which they may change."""
+        super().setUpClass()
+        cls.files = cls.inputs / "files"
+        (cls.files / "scans").mkdir(parents=True)
+        octahedron(cls.files / "bunny.obj")
+        images(cls.files)
+        octahedron(cls.files / "scan.obj", missing=1)
+        for name, (kind, voxel) in FILES.items():
+            subprocess.run([binaries() / "make_fixture", kind, str(voxel), cls.files / name],
+                           check=True)
+        subprocess.run([binaries() / "tetstream", "convert", cls.files / "bunny.obj",
+                        cls.files / "bunny.vdb", "--voxel", "0.02"], check=True, stdout=subprocess.DEVNULL)
+
     def setUp(self):
         super().setUp()
+        shutil.copytree(self.files, self.out, dirs_exist_ok=True)
         (self.out / "docs").symlink_to(ROOT / "docs")
-        (self.out / "scans").mkdir()
-        octahedron(self.out / "bunny.obj")
-        images(self.out)
-        octahedron(self.out / "scan.obj", missing=1)
-        for name, (kind, voxel) in FILES.items():
-            subprocess.run([binaries() / "make_fixture", kind, str(voxel), self.out / name],
-                           check=True)
-        self.assert_done(self.tetstream("convert", self.out / "bunny.obj", self.out / "bunny.vdb",
-                                        "--voxel", 0.02))
         self.environment = {**os.environ, "PATH": f"{binaries().resolve()}:{os.environ['PATH']}",
                             "XDG_STATE_HOME": str(self.out / "state"), "TETSTREAM_LAME_DUCK_SECONDS": "0"}
 

@@ -154,7 +154,7 @@ class UnfitWorkers(FaultTest):
         self.postgres.rows(
             "INSERT INTO workers SELECT 'old', '4', '', "
             "(extract(epoch FROM clock_timestamp()) * 1000000)::bigint")
-        worker = self.start_worker()
+        worker = self.start_worker(None, "--job-lease-seconds", "3")  # looks for them each second
         other = self.submit()  # the worker does it, and so has looked at what there was before it
         waited = self.job("wait", other)
         self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)

@@ -6,6 +6,7 @@
 import concurrent.futures
 import pathlib
 import re
+import struct
 import subprocess
 import tempfile
 import unittest
@@ -35,11 +36,32 @@ def methods():
     return found
 
 
-def compressed_zeros(wbits):
-    """About 1 MB, a thousand times as large once it is inflated."""
+def compressed_zeros(wbits, mebibytes=INFLATED_MIB):
+    """About 1 KB for each mebibyte of zeros: compressed once, as every other one would be after a full flush.
+
+    The sum at the end is of them all, so that it is a message that could be inflated.
+    """
     compressor = zlib.compressobj(9, zlib.DEFLATED, wbits)
     zeros = bytes(MIB)
-    return b"".join(compressor.compress(zeros) for _ in range(INFLATED_MIB)) + compressor.flush()
+    begin = compressor.compress(zeros) + compressor.flush(zlib.Z_FULL_FLUSH)
+    repeated = compressor.compress(zeros) + compressor.flush(zlib.Z_FULL_FLUSH)
+    end = compressor.flush()
+    size = mebibytes * MIB
+    if wbits > 15:  # gzip: CRC-32 and size, little-endian
+        crc = 0
+        for _ in range(mebibytes):
+            crc = zlib.crc32(zeros, crc)
+        end = end[:-8] + struct.pack("<II", crc, size % (1 << 32))
+    else:  # zlib: Adler-32, of which zeros change one half alone, big-endian
+        end = end[:-4] + struct.pack(">HH", size % 65521, 1)
+    return begin + repeated * (mebibytes - 1) + end
+
+
+class CompressedZeros(unittest.TestCase):
+    def test_are_what_a_reader_inflates_to_all_their_zeros(self):
+        for wbits in (15, 31):
+            self.assertEqual(zlib.decompress(compressed_zeros(wbits, 5), wbits), bytes(5 * MIB))
+            self.assertLess(len(compressed_zeros(wbits)), 2 * MIB)
 
 
 class UnreadMessageTest(unittest.TestCase):

@@ -66,9 +66,10 @@ struct ReferenceAngles {
   void add(const std::array<ReferencePlace, 4>& p) {
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = i + 1; j < 4; ++j) {
-        std::vector<std::size_t> others;
+        std::array<std::size_t, 2> others{};
+        std::size_t next = 0;
         for (std::size_t k = 0; k < 4; ++k) {
-          if (k != i && k != j) others.push_back(k);
+          if (k != i && k != j) others[next++] = k;
         }
         const double angle = angle_at(p[i], p[j], p[others[0]], p[others[1]]);
         least = std::min(least, angle);

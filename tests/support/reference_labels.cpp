@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -20,19 +21,23 @@ struct Piece {
 
 class ReferenceMesh : private ReferenceLattice {
  public:
-  ReferenceMesh(const LabelFunctions& functions, const BrickBox& domain, Label left_out)
-      : ReferenceLattice(functions), left_out_(left_out) {
+  ReferenceMesh(const LabelFunctions& functions,
+                const BrickBox& domain,
+                const std::vector<Label>& left_out)
+      : ReferenceLattice(functions), left_out_(left_out), counts_(left_out.size()) {
     low_ = {16 * domain.min.x, 16 * domain.min.y, 16 * domain.min.z};
     high_ = {16 * (domain.max.x + 1), 16 * (domain.max.y + 1), 16 * (domain.max.z + 1)};
   }
 
-  LabelReference make() {
+  std::vector<LabelReference> make() {
     for (int x = low_.x + 1; x < high_.x; x += 2) {
       for (int y = low_.y + 1; y < high_.y; y += 2) {
         for (int z = low_.z + 1; z < high_.z; z += 2) add_cell({x, y, z});
       }
     }
-    counts_.vertices = used_.size();
+    for (const auto& [key, meshes] : used_) {
+      for (std::size_t m = 0; m < counts_.size(); ++m) counts_[m].vertices += meshes >> m & 1;
+    }
     return std::move(counts_);
   }
 
@@ -81,19 +86,28 @@ class ReferenceMesh : private ReferenceLattice {
     emit({l, {Key{centre}, {corner[0]}, {corner[2]}, {corner[3]}}});
   }
 
-  void emit(const Piece& piece) {
-    if (piece.label == left_out_) return;
-    std::array<Place, 4> places;
-    for (std::size_t i = 0; i < 4; ++i) {
-      places[i] = place(piece.corner[i]);
-      used_.insert(piece.corner[i]);
-      if (piece.corner[i].size() == 1 && !moved(piece.corner[i][0])) {
-        counts_.staying[piece.corner[i][0]] = piece.label;
+  /// Notes tets of a label, and their corners, in every mesh that has it.
+  void add(Label label, std::uint64_t tets, double volume, const std::vector<Key>& corners) {
+    unsigned meshes = 0;
+    for (std::size_t m = 0; m < counts_.size(); ++m) {
+      if (label == left_out_[m]) continue;
+      meshes |= 1U << m;
+      counts_[m].tets += tets;
+      counts_[m].tets_of[label] += tets;
+      counts_[m].volume += volume;
+      for (const Key& key : corners) {
+        if (key.size() == 1 && !moved(key[0])) counts_[m].staying[key[0]] = label;
       }
     }
-    ++counts_.tets;
-    ++counts_.tets_of[piece.label];
-    counts_.volume += std::abs(six_volumes(places)) / 6;
+    if (meshes == 0) return;
+    for (const Key& key : corners) used_[key] |= meshes;
+  }
+
+  void emit(const Piece& piece) {
+    std::array<Place, 4> places;
+    for (std::size_t i = 0; i < 4; ++i) places[i] = place(piece.corner[i]);
+    add(piece.label, 1, std::abs(six_volumes(places)) / 6,
+        {piece.corner.begin(), piece.corner.end()});
   }
 
   void emit_all(const std::vector<Piece>& pieces) {
@@ -196,8 +210,7 @@ class ReferenceMesh : private ReferenceLattice {
                           is_fan ? 6 : 3);
     }
     if (!is_fan) return;
-    const Key middle(node.begin(), node.end());
-    used_.insert(middle);
+    used_[Key(node.begin(), node.end())] = ~0U;  // both labels meet there
   }
 
   /// How a prism is divided is not told here, only how often. All its quads but that between
@@ -207,15 +220,6 @@ class ReferenceMesh : private ReferenceLattice {
                            const std::array<Key, 3>& bottom,
                            const std::array<Key, 3>& top,
                            std::uint64_t tets) {
-    if (l == left_out_) return;
-    for (const auto& keys : {bottom, top}) {
-      for (const Key& key : keys) {
-        used_.insert(key);
-        if (key.size() == 1) counts_.staying[key[0]] = l;
-      }
-    }
-    counts_.tets += tets;
-    counts_.tets_of[l] += tets;
     std::array<Place, 3> low, high;
     for (std::size_t i = 0; i < 3; ++i) {
       low[i] = place(bottom[i]);
@@ -224,7 +228,9 @@ class ReferenceMesh : private ReferenceLattice {
     double volume = std::abs(six_volumes({low[0], low[1], low[2], high[2]}));
     volume += std::abs(six_volumes({low[0], low[1], high[1], high[2]}));
     volume += std::abs(six_volumes({low[0], high[0], high[1], high[2]}));
-    counts_.volume += volume / 6;
+    std::vector<Key> corners(bottom.begin(), bottom.end());
+    corners.insert(corners.end(), top.begin(), top.end());
+    add(l, tets, volume / 6, corners);
   }
 
   void many_labels(const std::array<Node, 4>& node) {
@@ -326,17 +332,17 @@ class ReferenceMesh : private ReferenceLattice {
     return false;
   }
 
-  const Label left_out_;
+  const std::vector<Label> left_out_;
   Node low_, high_;
-  std::set<Key> used_;
-  LabelReference counts_;
+  std::map<Key, unsigned> used_;  ///< a bit for each mesh that has the vertex
+  std::vector<LabelReference> counts_;
 };
 
 }  // namespace
 
-LabelReference reference_labels(const LabelFunctions& functions,
-                                const BrickBox& domain,
-                                Label left_out) {
+std::vector<LabelReference> reference_labels(const LabelFunctions& functions,
+                                             const BrickBox& domain,
+                                             const std::vector<Label>& left_out) {
   return ReferenceMesh(functions, domain, left_out).make();
 }
 

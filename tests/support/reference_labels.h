@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <vector>
 
 #include "core/base/brick_box.h"
 #include "tests/support/label_sources.h"
@@ -19,10 +20,10 @@ struct LabelReference {
   std::map<LatticeCoord, Label> staying;
 };
 
-/// The uniform mesh of a domain, at the limits of the warp that both sides have; without the
-/// tets of `left_out`.
-LabelReference reference_labels(const LabelFunctions& functions,
-                                const BrickBox& domain,
-                                Label left_out = kJoker);
+/// The uniform meshes of a domain, at the limits of the warp that both sides have: for each of
+/// at most 32 labels, that without its tets; kJoker leaves nothing out.
+std::vector<LabelReference> reference_labels(const LabelFunctions& functions,
+                                             const BrickBox& domain,
+                                             const std::vector<Label>& left_out = {kJoker});
 
 }  // namespace tet::test

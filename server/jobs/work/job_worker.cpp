@@ -35,8 +35,8 @@ constexpr absl::Duration kRoomPause = absl::Seconds(2);
 /// A worker that has something to do looks so often whether it is still the right place.
 constexpr std::chrono::seconds kBetweenPlaceLooks{5};
 
-/// So often a worker is heard of: well within kWorkerAlive.
-constexpr std::chrono::seconds kBetweenReports{10};
+/// So often a worker is heard of, or as often as its leases are: well within kWorkerAlive.
+constexpr std::chrono::milliseconds kBetweenReports{10'000};
 
 /// Jobs whose first failing disk is remembered; then it begins anew.
 constexpr std::size_t kMostExcused = 10'000;
@@ -314,7 +314,8 @@ void JobWorker::beat(const std::stop_token& stopping) {
   using Clock = std::chrono::steady_clock;
   const auto interval = absl::ToChronoMilliseconds(settings_.lease / 3);
   auto due = Clock::now() + interval;
-  auto report_due = Clock::now() + kBetweenReports;
+  const auto between_reports = std::min(interval, kBetweenReports);
+  auto report_due = Clock::now() + between_reports;
   std::uint64_t seen = jobs_.signal();
   while (pause(stopping, std::min(interval, kLook))) {
     const std::uint64_t signal = jobs_.signal();
@@ -329,7 +330,7 @@ void JobWorker::beat(const std::stop_token& stopping) {
     });
     seen = signal;
     if (Clock::now() < report_due) continue;
-    report_due = Clock::now() + kBetweenReports;
+    report_due = Clock::now() + between_reports;
     report();
   }
 }

@@ -25,10 +25,6 @@ class PostgresHome final : public StoreHome {
   PostgresHome() : schema_("home" + std::to_string(++count())) {
     postgres_server().make_schema(schema_);
   }
-  /// In a schema that others had before and that was emptied: making tables takes longer than
-  /// most tests.
-  explicit PostgresHome(const std::string& used_schema) : schema_(used_schema) {}
-
   std::unique_ptr<JobStore> open(const SqlJobStore::Options& rules) const override {
     return open_with({.connection = connection(), .rules = rules});
   }
@@ -39,6 +35,22 @@ class PostgresHome final : public StoreHome {
   }
   std::vector<std::string> worker_arguments() const override {
     return {"postgres", connection()};
+  }
+  /// Leaves the rows and sequences of a store that was just made, whatever tables it has:
+  /// making those takes longer than most tests.
+  void empty() const {
+    postgres_server().run(schema_, R"sql(
+DO $$ DECLARE name text; BEGIN
+  FOR name IN SELECT oid::regclass FROM pg_class
+      WHERE relnamespace = current_schema::regnamespace AND relkind IN ('r', 'p')
+        AND NOT relispartition AND relname <> 'schema_version' LOOP
+    EXECUTE 'DELETE FROM ' || name;
+  END LOOP;
+  FOR name IN SELECT sequencename FROM pg_sequences WHERE schemaname = current_schema LOOP
+    PERFORM setval(name::regclass, 1, false);
+  END LOOP;
+  INSERT INTO counters VALUES ('revision', 0), ('compacted', 0);
+END $$)sql");
   }
   const std::string& schema() const { return schema_; }
   std::string connection() const { return postgres_server().connection(schema_); }
@@ -54,6 +66,29 @@ class PostgresHome final : public StoreHome {
 
 inline std::unique_ptr<StoreHome> make_postgres_home() {
   return std::make_unique<PostgresHome>();
+}
+
+/// In the schema that all its homes share, emptied: one at a time.
+class EmptiedPostgresHome final : public StoreHome {
+ public:
+  EmptiedPostgresHome() { shared().empty(); }
+
+  std::unique_ptr<JobStore> open(const SqlJobStore::Options& rules) const override {
+    return shared().open(rules);
+  }
+  std::vector<std::string> worker_arguments() const override {
+    return shared().worker_arguments();
+  }
+  static const PostgresHome& shared() {
+    static const PostgresHome home;
+    static const bool made = home.open({}) != nullptr;
+    EXPECT_TRUE(made);
+    return home;
+  }
+};
+
+inline std::unique_ptr<StoreHome> make_emptied_postgres_home() {
+  return std::make_unique<EmptiedPostgresHome>();
 }
 
 }  // namespace tet::test

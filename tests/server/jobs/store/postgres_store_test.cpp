@@ -11,7 +11,7 @@
 namespace tet::test {
 namespace {
 
-INSTANTIATE_TEST_SUITE_P(Postgres, JobStoreTest, testing::Values(&make_postgres_home));
+INSTANTIATE_TEST_SUITE_P(Postgres, JobStoreTest, testing::Values(&make_emptied_postgres_home));
 
 NewJob wanted() {
   NewJob job;
@@ -35,6 +35,33 @@ TEST(PostgresJobStore, SaysWhyThereIsNoConnection) {
   EXPECT_TRUE(absl::IsUnavailable(status)) << status;
   EXPECT_EQ(reason_of(status), "JOB_STORE_UNAVAILABLE");
   EXPECT_THAT(std::string(status.message()), testing::HasSubstr("/nowhere"));
+}
+
+/// All rows of all tables, and where sequences are.
+std::string contents(const PostgresHome& home) {
+  return query(
+             home.connection(),
+             "SELECT string_agg(relname || table_to_xml(oid, true, true, '')::text, ' ' ORDER "
+             "BY relname) FROM pg_class WHERE relnamespace = current_schema::regnamespace AND "
+             "relkind IN ('r', 'p') AND NOT relispartition") +
+         query(home.connection(),
+               "SELECT string_agg(sequencename || COALESCE(last_value, 0), ' ' ORDER BY "
+               "sequencename) FROM pg_sequences WHERE schemaname = current_schema");
+}
+
+// What the claims of the job store begin with.
+TEST(PostgresJobStore, IsAsNewWhenItsTablesAreEmptied) {
+  const PostgresHome made, used;
+  made.open({});
+  const auto store = used.open({});
+  const Job job = store->create(wanted()).value().job;
+  EXPECT_EQ(store->belongs_to("a").value(), "a");
+  EXPECT_EQ(store->report({"w", "4", absl::OkStatus()}), absl::OkStatus());
+  EXPECT_NE(contents(used), contents(made));
+  used.empty();
+  EXPECT_EQ(contents(used), contents(made));
+  EXPECT_NE(contents(used), "");
+  EXPECT_TRUE(absl::IsNotFound(store->get(job.id).status()));
 }
 
 TEST(PostgresJobStore, ManyMayOpenANewStoreAtOnce) {
