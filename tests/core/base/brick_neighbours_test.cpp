@@ -24,13 +24,14 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
   for (const std::int32_t first :
        {-9, 0}) {  // from before the first brick, and from the middle
     BrickNeighbours neighbours(bricks), below(bricks, RowsAround::kLower),
-        above(bricks, RowsAround::kUpper);
+        above(bricks, RowsAround::kUpper), later(bricks, RowsAround::kLater);
     for (std::int32_t x = first; x < 9; x += 2) {
       for (std::int32_t y = -9; y < 9; ++y) {
         for (std::int32_t z = -9; z < 9; z += 3) {
           const PlacesAround& around = neighbours.around({x, y, z});
           const PlacesAround& lower = below.around({x, y, z});
           const PlacesAround& upper = above.around({x, y, z});
+          const PlacesAround& after = later.around({x, y, z});
           for (int o = 0; o < 27; ++o) {
             const int dx = o / 9 - 1, dy = o / 3 % 3 - 1, dz = o % 3 - 1;
             const std::uint32_t at = index.find({x + dx, y + dy, z + dz});
@@ -38,6 +39,9 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
             EXPECT_EQ(around[place], at);
             EXPECT_EQ(lower[place], dx < 1 && dy < 1 ? at : kNoBrick);
             EXPECT_EQ(upper[place], dx > -1 && dy > -1 ? at : kNoBrick);
+            if (place > kItself) {
+              EXPECT_EQ(after[place], at);
+            }
           }
         }
       }
