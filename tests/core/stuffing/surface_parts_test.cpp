@@ -245,8 +245,9 @@ TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
 TEST(SurfaceParts, FindsAPartWhereverItSearchesFrom) {
   SurfaceParts parts;
   parts.count = 2;
-  for (std::uint16_t element = 3; element < 90; element += 1 + element % 5) {
-    parts.part_of.push_back({element, static_cast<std::uint16_t>(element % 2)});
+  for (int element = 3; element < 90; element += 1 + element % 5) {
+    parts.part_of.push_back(
+        {static_cast<std::uint16_t>(element), static_cast<std::uint16_t>(element % 2)});
   }
   for (std::size_t start = 0; start <= parts.part_of.size() + 1; ++start) {
     for (std::uint16_t element = 0; element < 95; ++element) {
