@@ -19,9 +19,14 @@ inline constexpr std::size_t kItself = 13;
 /// Looks up one brick and those around it. The brick need not be in the index.
 PlacesAround places_around(const BrickIndex& index, BrickCoord brick) noexcept;
 
-/// Which rows of bricks around one are looked for, by their steps along x and y: all nine, or
-/// the four with none upwards, or none downwards.
-enum class RowsAround : std::uint16_t { kAll = 0x1ff, kLower = 0x01b, kUpper = 0x1b0 };
+/// Which rows of bricks around one are looked for, by their steps along x and y: all nine; the
+/// four with none upwards, or none downwards; or the five that hold the bricks after it.
+enum class RowsAround : std::uint16_t {
+  kAll = 0x1ff,
+  kLower = 0x01b,
+  kUpper = 0x1b0,
+  kLater = 0x1f0,
+};
 
 /// Walks along a sorted list of bricks: nine places move through it, one for each row of three
 /// bricks along z, so that going to the next brick costs a few comparisons and no hashing. Not

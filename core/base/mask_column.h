@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/brick_index.h"
 #include "core/base/brick_mask.h"
 #include "core/base/heap_bytes.h"
 
@@ -44,6 +45,41 @@ class MaskColumn {
     } else {
       at_.push_back(static_cast<std::uint32_t>(masks_.size()));
       masks_.push_back(mask);
+    }
+  }
+
+  /// Appends `count` masks of another column, from `begin` on.
+  void append_run(const MaskColumn& from, std::size_t begin, std::size_t count) {
+    // Masks that are neither empty nor full lie in the order of their bricks.
+    if (masks_.empty()) masks_ = {BrickMask{}, BrickMask::all()};
+    std::uint32_t first = 0, end = 0;  // of those masks in the other column; none yet
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      const std::uint32_t at = from.at_[i];
+      if (at <= kFull) {
+        at_.push_back(at);
+        continue;
+      }
+      if (end == 0) first = at;
+      end = at + 1;
+      at_.push_back(static_cast<std::uint32_t>(masks_.size()) + (at - first));
+    }
+    masks_.insert(masks_.end(), from.masks_.begin() + first, from.masks_.begin() + end);
+  }
+
+  /// Appends a mask for each of `places`: that of `known` there, or, where a place is kNoBrick,
+  /// the next of `found`. Places that follow each other are copied in runs.
+  void append(const MaskColumn& known,
+              std::span<const std::uint32_t> places,
+              std::span<const BrickMask> found) {
+    for (std::size_t i = 0, next = 0; i < places.size();) {
+      if (places[i] == kNoBrick) {
+        push_back(found[next++]);
+        ++i;
+        continue;
+      }
+      const std::size_t first = i;
+      for (++i; i < places.size() && places[i] == places[i - 1] + 1;) ++i;
+      append_run(known, places[first], i - first);
     }
   }
 

@@ -37,6 +37,12 @@ class FieldDifference {
     std::unique_ptr<SceneEvaluator> earlier_, now_;  // of scenes
   };
 
+  /// Lattice bricks of two volumes, sorted: beyond them every sample in a brick and its halo is
+  /// what it was. Null for scenes, of which each brick has to be asked about.
+  const std::vector<BrickCoord>* touched() const noexcept {
+    return now_.scene == nullptr ? &touched_ : nullptr;
+  }
+
  private:
   FieldDifference(const PhiField& earlier, const PhiField& now)
       : earlier_(earlier), now_(now) {}

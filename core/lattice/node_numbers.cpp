@@ -81,6 +81,10 @@ BrickMask leaf_corners(const LowerLeaves& leaves) noexcept {
   return both(0, corners[0], corners[4]);
 }
 
+bool has_corner_in(const BrickMask& leaf, unsigned o) noexcept {
+  return (leaf & cells_towards(o)).any();
+}
+
 void insert_corner_bricks(OctreeLevel& level) {
   std::vector<BrickCoord> owners;
   BrickNeighbours neighbours(level.bricks, RowsAround::kUpper);
@@ -91,7 +95,7 @@ void insert_corner_bricks(OctreeLevel& level) {
     for (unsigned o = 1; o < 8; ++o) {
       const unsigned x = o >> 2, y = o >> 1 & 1, z = o & 1;
       if (around[kItself + 9 * x + 3 * y + z] != kNoBrick) continue;
-      if (!(level.leaf[i] & cells_towards(o)).any()) continue;
+      if (!has_corner_in(level.leaf[i], o)) continue;
       owners.push_back({b.x + static_cast<std::int32_t>(x), b.y + static_cast<std::int32_t>(y),
                         b.z + static_cast<std::int32_t>(z)});
     }
@@ -101,20 +105,36 @@ void insert_corner_bricks(OctreeLevel& level) {
   if (!owners.empty()) level.insert_bricks(owners);
 }
 
+std::vector<std::size_t> unknown_bricks(const KnownNodes& known,
+                                        std::size_t begin,
+                                        std::size_t end) {
+  std::vector<std::size_t> bricks;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (known.nodes == nullptr || known.places[i] == kNoBrick) bricks.push_back(i);
+  }
+  return bricks;
+}
+
 LevelNodes background_nodes(const OctreeLevel& level,
                             const OctreeLevel& finer_level,
-                            const LevelNodes& finer) {
-  std::vector<BrickMask> used(level.bricks.size()), corner(level.bricks.size());
-  for_each_range(level.bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
+                            const LevelNodes& finer,
+                            const KnownNodes& known) {
+  const std::vector<std::size_t> wanted = unknown_bricks(known, 0, level.bricks.size());
+  std::vector<BrickMask> used(wanted.size()), corner(wanted.size());
+  for_each_range(wanted.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     BrickNeighbours neighbours(level.bricks, RowsAround::kLower);
     for (std::size_t i = begin; i < end; ++i) {
-      const BrickCoord brick = level.bricks[i];
+      const BrickCoord brick = level.bricks[wanted[i]];
       used[i] = leaf_corners(lower_leaves(level.leaf, neighbours.around(brick)));
       if (!used[i].any()) continue;
       corner[i] = used[i] & ~corners_used_below(finer_level, finer, brick);
     }
   });
-  return {MaskColumn(used), MaskColumn(corner), level.leaf, {}};
+  if (known.nodes == nullptr) return {MaskColumn(used), MaskColumn(corner), level.leaf, {}};
+  LevelNodes nodes{{}, {}, level.leaf, {}};
+  nodes.used.append(known.nodes->used, known.places, used);
+  nodes.corner.append(known.nodes->corner, known.places, corner);
+  return nodes;
 }
 
 std::uint32_t NearbyBricks::find(BrickCoord brick) noexcept {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/brick_box.h"
@@ -40,13 +41,30 @@ LowerLeaves lower_leaves(const MaskColumn& leaf, const PlacesAround& around) noe
 /// The corners of these leaves that the brick itself owns.
 BrickMask leaf_corners(const LowerLeaves& leaves) noexcept;
 
+/// Whether one of a brick's leaves has a corner in the brick that is a step up along each axis
+/// of `o` (4*x + 2*y + z).
+bool has_corner_in(const BrickMask& leaf, unsigned o) noexcept;
+
 /// Adds the bricks that own a corner of some leaf but hold no leaf themselves.
 void insert_corner_bricks(OctreeLevel& level);
+
+/// Nodes of a level that are those of another tree's.
+struct KnownNodes {
+  const LevelNodes* nodes = nullptr;  ///< of the other tree; null: none are
+  /// Where they are there of each brick, kNoBrick of those whose nodes are to be found.
+  std::span<const std::uint32_t> places = {};
+};
+
+/// The bricks among [begin, end) of a level whose nodes are to be found.
+std::vector<std::size_t> unknown_bricks(const KnownNodes& known,
+                                        std::size_t begin,
+                                        std::size_t end);
 
 /// Nodes of a level above 0; ids are filled in later. `finer` is the level below.
 LevelNodes background_nodes(const OctreeLevel& level,
                             const OctreeLevel& finer_level,
-                            const LevelNodes& finer);
+                            const LevelNodes& finer,
+                            const KnownNodes& known = {});
 
 /// The bricks of one level by coordinate; asks the index once for each of those around.
 class NearbyBricks {

@@ -261,6 +261,10 @@ CellSet children_of(const CellSet& parents, const Cancellation& cancellation) {
   });
 }
 
+BrickMask children_within(const BrickMask& parent_cells, BrickCoord brick) noexcept {
+  return children_of(parent_cells, brick.x & 1, brick.y & 1, brick.z & 1);
+}
+
 void drop_empty(CellSet& cells) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cells.bricks.size(); ++i) {

@@ -46,6 +46,9 @@ CellSet parents_with_neighbours(const CellSet& cells, const Cancellation& cancel
 
 CellSet children_of(const CellSet& parents, const Cancellation& cancellation);
 
+/// The children of its parent brick's cells that are the brick's own.
+BrickMask children_within(const BrickMask& parent_cells, BrickCoord brick) noexcept;
+
 /// The cells with all that share a face or an edge with them, as often as there are steps.
 /// Parallel.
 CellSet grown(CellSet cells, int steps, const Cancellation& cancellation);

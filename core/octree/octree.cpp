@@ -63,42 +63,9 @@ BrickMask first_part(const BrickMask& cells) noexcept {
   return part;
 }
 
-/// The candidates that lie inside. A candidate's nodes all lie on one side, and so do those of
-/// all that it shares a node with: one corner tells of them.
-BrickMask inside_cells(PhiSampler& sampler,
-                       const InsideTest& is_inside,
-                       BrickCoord brick,
-                       int level,
-                       const BrickMask& candidates) {
-  const auto corner = [level](std::int32_t b, std::size_t i) {
-    return (std::int64_t{b} * kBrickEdge + static_cast<std::int64_t>(i)) << level;
-  };
-  BrickMask inside, rest = candidates;
-  if (candidates.any()) focus_on(sampler, brick, level);
-  while (rest.any()) {
-    const BrickMask part = first_part(rest);
-    std::size_t x = 0;
-    while (part.slice[x] == 0) ++x;
-    const auto first = static_cast<std::size_t>(std::countr_zero(part.slice[x]));
-    if (is_inside(sampler, corner(brick.x, x), corner(brick.y, first / 8),
-                  corner(brick.z, first % 8))) {
-      inside |= part;
-    }
-    rest &= ~part;
-  }
-  return inside;
-}
-
-/// What the leaves have to cover: the inside of a field, or a whole domain.
-struct CoveredSpace {
-  const PhiField& field;
-  const InsideTest& is_inside;
-  const OctreeCover& cover;
-};
-
 /// Level `level`, whose leaves are the cells among `candidates` that are covered and not
 /// refined.
-OctreeLevel make_level(const CoveredSpace& space,
+OctreeLevel make_level(const OctreeSpace& space,
                        int level,
                        CellSet candidates,
                        const CellSet& refined,
@@ -130,18 +97,11 @@ OctreeLevel make_level(const CoveredSpace& space,
   return made;
 }
 
-bool any_leaf(const OctreeLevel& level) {
-  for (std::size_t i = 0; i < level.leaf.size(); ++i) {
-    if (level.leaf[i].any()) return true;
-  }
-  return false;
-}
-
 /// Level 0 where more than the surface's cells are finest: the children of level 1's refined
 /// cells. All nodes of a brick that does not touch the surface lie on one side.
 CellSet finest_cells(const CellSet& at_surface,
                      const CellSet& refined,
-                     const CoveredSpace& space,
+                     const OctreeSpace& space,
                      const Cancellation& cancellation) {
   CellSet cells = children_of(refined, cancellation);
   if (space.cover.domain) {  // all of it is covered
@@ -171,6 +131,44 @@ OctreeLevel finest_level(std::vector<BrickCoord> bricks, MaskColumn leaf) {
   return level;
 }
 
+OctreeLevel divided_level(CellSet refined) {
+  OctreeLevel level;
+  level.bricks = std::move(refined.bricks);
+  level.refined = MaskColumn(refined.cells);
+  level.index = BrickIndex(level.bricks);
+  return level;
+}
+
+void add_levels(Octree& tree,
+                int level,
+                CellSet refined,
+                const RefinedCells& refined_cells,
+                const OctreeSpace& space,
+                const Cancellation& cancellation) {
+  const auto& [field, is_inside, cover, rules] = space;
+  bool any_finer = any_leaf(tree.levels.back()), has_largest = false;
+  for (; level <= rules.max_levels && !cancellation.requested(); ++level) {
+    CellSet above = refined_cells.above(refined, level);
+    CellSet candidates =
+        level < rules.max_levels
+            ? children_of(above, cancellation)
+            : all_cells_of(bricks_covering(cover.boxes, level, refined.bricks));
+    OctreeLevel made = make_level(space, level, std::move(candidates), refined, cancellation);
+    // Where all of a domain is covered and nothing is finest, leaves begin at the level at
+    // which cells reach beyond it.
+    const bool any = any_leaf(made);
+    has_largest = !any && (any_finer || is_inside);
+    if (has_largest) break;
+    any_finer = any;
+    tree.levels.push_back(std::move(made));
+    refined = std::move(above);
+  }
+  if (has_largest && tree.follows_surface && any_leaf(tree.levels.back())) {
+    tree.above = divided_level(std::move(refined));
+  }
+  while (tree.levels.size() > 1 && !any_leaf(tree.levels.back())) tree.levels.pop_back();
+}
+
 }  // namespace
 
 void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
@@ -195,6 +193,13 @@ void OctreeLevel::insert_bricks(const std::vector<BrickCoord>& more) {
   index = BrickIndex(bricks);
 }
 
+bool any_leaf(const OctreeLevel& level) noexcept {
+  for (std::size_t i = 0; i < level.leaf.size(); ++i) {
+    if (level.leaf[i].any()) return true;
+  }
+  return false;
+}
+
 HaloSet gather_halo(const OctreeLevel& level,
                     const MaskColumn& masks,
                     BrickCoord brick) noexcept {
@@ -215,6 +220,40 @@ BrickMask with_siblings(BrickMask cells) noexcept {
   return cells;
 }
 
+BrickMask inside_cells(PhiSampler& sampler,
+                       const InsideTest& is_inside,
+                       BrickCoord brick,
+                       int level,
+                       const BrickMask& candidates) {
+  const auto corner = [level](std::int32_t b, std::size_t i) {
+    return (std::int64_t{b} * kBrickEdge + static_cast<std::int64_t>(i)) << level;
+  };
+  // The nodes of candidates that share any lie on one side: one corner tells of all of them.
+  BrickMask inside, rest = candidates;
+  if (candidates.any()) focus_on(sampler, brick, level);
+  while (rest.any()) {
+    const BrickMask part = first_part(rest);
+    std::size_t x = 0;
+    while (part.slice[x] == 0) ++x;
+    const auto first = static_cast<std::size_t>(std::countr_zero(part.slice[x]));
+    if (is_inside(sampler, corner(brick.x, x), corner(brick.y, first / 8),
+                  corner(brick.z, first % 8))) {
+      inside |= part;
+    }
+    rest &= ~part;
+  }
+  return inside;
+}
+
+void add_levels(Octree& tree,
+                int level,
+                CellSet refined,
+                const OctreeSpace& space,
+                const Cancellation& cancellation) {
+  const RefinedCells refined_cells({}, space.cover, space.rules, cancellation);
+  add_levels(tree, level, std::move(refined), refined_cells, space, cancellation);
+}
+
 Octree build_octree(CellSet finest,
                     const PhiField& field,
                     const InsideTest& is_inside,
@@ -233,28 +272,11 @@ Octree build_octree(CellSet finest,
   }
   RefinedCells refined_cells(finest, cover, rules, cancellation);
   CellSet refined = refined_cells.first(finest);
-  if (rules.sized()) {
-    finest = finest_cells(finest, refined, {field, is_inside, cover}, cancellation);
-  }
+  const OctreeSpace space{field, is_inside, cover, rules};
+  if (rules.sized()) finest = finest_cells(finest, refined, space, cancellation);
+  tree.follows_surface = !rules.sized() && !cover.domain;
   tree.levels.push_back(finest_level(std::move(finest.bricks), MaskColumn(finest.cells)));
-  bool any_finer = any_leaf(tree.levels[0]);
-  for (int level = 1; level <= rules.max_levels && !cancellation.requested(); ++level) {
-    CellSet above = refined_cells.above(refined, level);
-    CellSet candidates =
-        level < rules.max_levels
-            ? children_of(above, cancellation)
-            : all_cells_of(bricks_covering(cover.boxes, level, refined.bricks));
-    OctreeLevel made = make_level({field, is_inside, cover}, level, std::move(candidates),
-                                  refined, cancellation);
-    // Where all of a domain is covered and nothing is finest, leaves begin at the level at
-    // which cells reach beyond it.
-    const bool any = any_leaf(made);
-    if (!any && (any_finer || is_inside)) break;
-    any_finer = any;
-    tree.levels.push_back(std::move(made));
-    refined = std::move(above);
-  }
-  while (tree.levels.size() > 1 && !any_leaf(tree.levels.back())) tree.levels.pop_back();
+  add_levels(tree, 1, std::move(refined), refined_cells, space, cancellation);
   return tree;
 }
 

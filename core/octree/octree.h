@@ -40,12 +40,20 @@ struct OctreeLevel {
   }
 };
 
+bool any_leaf(const OctreeLevel& level) noexcept;
+
 /// Leaves that cover the inside of a volume, or a domain, without overlap.
 ///
 /// Invariants: leaves that share a face or an edge differ by at most one level; no leaf above
 /// level 0 has a node, centre, face centre or edge midpoint that touches the surface.
 struct Octree {
   std::vector<OctreeLevel> levels;
+  /// Its leaves follow from the finest cells and from the sides of the others' nodes alone: it
+  /// has several sizes of them, and nothing else asks for any.
+  bool follows_surface = false;
+  /// Where it follows the surface, and leaves could be larger, the cells that are divided in
+  /// the level above the last one, without leaves; without bricks where these are not kept.
+  OctreeLevel above;
 };
 
 /// What `masks` (one for each brick of the level) say of a brick and its halo.
@@ -60,6 +68,30 @@ BrickMask with_siblings(BrickMask cells) noexcept;
 /// with its own sampler.
 using InsideTest =
     std::function<bool(PhiSampler& sampler, std::int64_t x, std::int64_t y, std::int64_t z)>;
+
+/// What leaves above the finest follow from beside these; it must outlive what is grown.
+struct OctreeSpace {
+  const PhiField& field;
+  const InsideTest& is_inside;
+  const OctreeCover& cover;
+  const LeafRules& rules;
+};
+
+/// The candidates for leaves of a brick that lie inside. All of a candidate's nodes lie on one
+/// side.
+BrickMask inside_cells(PhiSampler& sampler,
+                       const InsideTest& is_inside,
+                       BrickCoord brick,
+                       int level,
+                       const BrickMask& candidates);
+
+/// Adds a tree's levels from `level` on, where it has the ones below; `refined` are the cells
+/// of `level` that are divided. If cancelled, discard the tree.
+void add_levels(Octree& tree,
+                int level,
+                CellSet refined,
+                const OctreeSpace& space,
+                const Cancellation& cancellation);
 
 /// Grows an octree above the finest leaves. Cells that are not `finest` have all their nodes on
 /// one side, which `is_inside` tells; of a domain it may be null, and then no side is told, and

@@ -177,11 +177,21 @@ std::uint16_t VertexOwner::element(std::size_t slot) const noexcept {
   return static_cast<std::uint16_t>(slot * kBrickCells + place);
 }
 
-std::optional<std::uint16_t> SurfaceParts::part(std::uint16_t element) const noexcept {
+std::optional<std::uint16_t> SurfaceParts::part(std::uint16_t element,
+                                                std::size_t& near) const noexcept {
   if (count == 0) return std::nullopt;
   if (count == 1) return 0;
-  const auto at = std::lower_bound(part_of.begin(), part_of.end(),
-                                   std::array<std::uint16_t, 2>{element, 0});
+  const auto is_before = [&](std::size_t i) { return part_of[i][0] < element; };
+  // What is wanted lies from `begin` on: where the last search ended, or else anywhere.
+  std::size_t begin = near <= part_of.size() && (near == 0 || is_before(near - 1)) ? near : 0;
+  std::size_t step = 1;
+  for (; begin + step <= part_of.size() && is_before(begin + step - 1); step *= 2)
+    begin += step;
+  const auto first = part_of.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto last =
+      part_of.begin() + static_cast<std::ptrdiff_t>(std::min(begin + step, part_of.size()));
+  const auto at = std::lower_bound(first, last, std::array<std::uint16_t, 2>{element, 0});
+  near = static_cast<std::size_t>(at - part_of.begin());
   if (at == part_of.end() || (*at)[0] != element) return std::nullopt;
   return (*at)[1];
 }

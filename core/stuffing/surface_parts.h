@@ -40,8 +40,9 @@ struct SurfaceParts {
   std::vector<BricksAround> beside;
 
   /// The part of a vertex; std::nullopt when it is not listed, as what another process counted
-  /// may lack any.
-  std::optional<std::uint16_t> part(std::uint16_t element) const noexcept;
+  /// may lack any. `near` is any number at first, and becomes a place to search from: vertices
+  /// that are asked for in ascending order are found soon.
+  std::optional<std::uint16_t> part(std::uint16_t element, std::size_t& near) const noexcept;
 };
 
 /// Where a vertex is, of a node at an index of a brick's halo: its brick, each coordinate -1, 0

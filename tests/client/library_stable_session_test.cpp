@@ -219,6 +219,59 @@ TEST(StableSessionHere, ColumnsStayReadableForAsLongAsTheirMemoryIsHeld) {
   }
 }
 
+/// The box around the bumps at two places, in samples.
+SampleBox around_bumps(double a, double b) {
+  const BallSamples ball(20);
+  const auto at = [&](double coordinate) {
+    return static_cast<std::int32_t>(coordinate / ball.spacing) +
+           static_cast<std::int32_t>(ball.edge / 2);
+  };
+  return {{at(0.5), at(std::min(a, b) - 0.9), at(-0.9)},
+          {static_cast<std::int32_t>(ball.edge), at(std::max(a, b) + 0.9), at(0.9)}};
+}
+
+TEST_F(StableSessionOnAServer, MakesTheSameMeshWhereWhatWasReplacedIsNamed) {
+  Session whole = begin_session(with_bump_at(0)).value();
+  StableSession here = begin_stable_session(with_bump_at(0)).value();
+  StableSession there = client().begin_stable_session(with_bump_at(0)).value();
+  double before = 0;
+  for (const double y : {0.05, 0.3, -0.2}) {
+    const Volume next = with_bump_at(y);
+    const std::vector<SampleBox> all{{{0, 0, 0}, {1 << 20, 1 << 20, 1 << 20}}};
+    const std::vector<SampleBox> replaced =
+        y < 0 ? all : std::vector{around_bumps(before, y), SampleBox{}};
+    ASSERT_TRUE(whole.update(next).ok());
+    for (StableSession* session : {&here, &there}) {
+      const Status status = session->update(next, replaced);
+      ASSERT_TRUE(status.ok()) << status.to_string();
+      expect_same(session->in_order().value(), whole.mesh());
+    }
+    expect_same_slots(there.mesh(), here.mesh());
+    before = y;
+  }
+}
+
+TEST_F(StableSessionOnAServer, RefusesAListThatLeavesOutWhatHasChanged) {
+  for (const bool served : {false, true}) {
+    StableSession session = served ? client().begin_stable_session(with_bump_at(0)).value()
+                                   : begin_stable_session(with_bump_at(0)).value();
+    const Mesh before = session.in_order().value();
+    const std::vector<std::vector<SampleBox>> lists{{},
+                                                    {{{0, 0, 0}, {8, 8, 8}}},
+                                                    {around_bumps(2, 2)},
+                                                    {{{5, 0, 0}, {4, 9, 9}}},
+                                                    {{{0, 0, 0}, {1 << 30, 1, 1}}}};
+    for (const std::vector<SampleBox>& list : lists) {
+      const Status status = session.update(with_bump_at(0.3), list);
+      EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+      EXPECT_NE(status.message().find("replaced"), std::string::npos) << status.to_string();
+      EXPECT_FALSE(session.is_over());
+    }
+    expect_same(session.in_order().value(), before);
+    EXPECT_TRUE(session.update(with_bump_at(0.3)).ok());
+  }
+}
+
 TEST(StableSessionHere, SaysWhyThereIsNone) {
   EXPECT_EQ(begin_stable_session(lens(0.5), {.spacing = -1}).status().code(),
             StatusCode::kInvalidArgument);

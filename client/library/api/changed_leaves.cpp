@@ -68,12 +68,14 @@ v1::LeafUpdate leaf_of(tet::BrickCoord brick, std::span<const float> values) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<v1::LeafUpdate>> changed_leaves(const tet::Volume& before,
-                                                           const tet::Volume& after) {
+absl::StatusOr<std::vector<v1::LeafUpdate>> changed_leaves(
+    const tet::Volume& before,
+    const tet::Volume& after,
+    const std::vector<tet::BrickCoord>* among) {
   if (absl::Status status = check(before, after); !status.ok()) return status;
   tet::VolumeReader reads_before(before), reads_after(after);
   std::vector<v1::LeafUpdate> leaves;
-  for (const tet::BrickCoord brick : known_bricks(before, after)) {
+  for (const tet::BrickCoord brick : among ? *among : known_bricks(before, after)) {
     const tet::VolumeReader::Brick was = reads_before.brick(brick);
     const tet::VolumeReader::Brick is = reads_after.brick(brick);
     if (!std::ranges::equal(values_of(was), values_of(is))) {

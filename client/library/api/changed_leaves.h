@@ -11,9 +11,12 @@
 namespace tetstream {
 
 /// The leaves that turn `before` into `after`. Both have the same kind, transform and
-/// background. Takes time in proportion to both volumes. Errors: kInvalidArgument (they differ
-/// in what a frame cannot change).
-absl::StatusOr<std::vector<v1::LeafUpdate>> changed_leaves(const tet::Volume& before,
-                                                           const tet::Volume& after);
+/// background. Takes time in proportion to both volumes, unless `among`, which may be null, has
+/// all bricks that can differ. Errors: kInvalidArgument (they differ in what a frame cannot
+/// change).
+absl::StatusOr<std::vector<v1::LeafUpdate>> changed_leaves(
+    const tet::Volume& before,
+    const tet::Volume& after,
+    const std::vector<tet::BrickCoord>* among = nullptr);
 
 }  // namespace tetstream

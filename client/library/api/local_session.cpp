@@ -37,7 +37,9 @@ class LocalFrames final : public FrameMaker<FrameMesh> {
     return FrameMesh{public_mesh(std::move(made->mesh), facts_about(*made)), tets};
   }
 
-  Result<FrameMesh> make(const Volume& /*before*/, const Volume& after) override {
+  Result<FrameMesh> make(const Volume& /*before*/,
+                         const Volume& after,
+                         const ReplacedBoxes& /*replaced*/) override {
     return frame(after);
   }
   Result<FrameMesh> make(const Scene& scene) override { return frame(scene); }

@@ -33,12 +33,14 @@ class LocalStableFrames final : public FrameMaker<StableFrame> {
                     const tet::Cancellation& cancellation)
       : request_(std::move(request)), pool_(options.threads), cancellation_(cancellation) {}
 
+  /// `replaced` may be null: see tet::PlanJob.
   template <class Solid>
-  Result<StableFrame> frame(const Solid& solid) {
+  Result<StableFrame> frame(const Solid& solid,
+                            const std::vector<tet::BrickCoord>* replaced = nullptr) {
     auto shape = shape_of(solid);
     if (!shape.ok()) return to_public(shape.status());
     absl::Status status;
-    pool_.run([&] { status = follow(*std::move(shape)); });
+    pool_.run([&] { status = follow(*std::move(shape), replaced); });
     if (!status.ok()) return to_public(status);
     tet::TrailerFacts facts{std::nullopt, plan_->boundary(), plan_->improvement(),
                             plan_->thin_walls()};
@@ -48,8 +50,12 @@ class LocalStableFrames final : public FrameMaker<StableFrame> {
     return StableFrame{.ids = &mesh_, .facts = facts, .tets_sent = tets_made_};
   }
 
-  Result<StableFrame> make(const Volume& /*before*/, const Volume& after) override {
-    return frame(after);
+  Result<StableFrame> make(const Volume& before,
+                           const Volume& after,
+                           const ReplacedBoxes& replaced) override {
+    const auto bricks = replaced_bricks(before, after, replaced);
+    if (!bricks.ok()) return to_public(bricks.status());
+    return frame(after, *bricks ? &**bricks : nullptr);
   }
   Result<StableFrame> make(const Scene& scene) override { return frame(scene); }
   bool is_over() const override { return half_patched_ || cancellation_.requested(); }
@@ -57,10 +63,12 @@ class LocalStableFrames final : public FrameMaker<StableFrame> {
 
  private:
   /// On the pool.
-  absl::Status follow(tet::Shape shape) {
-    absl::StatusOr<Plan> made =
-        plan_mesh({.shape = std::move(shape), .request = request_, .earlier = plan_.get()},
-                  cancellation_);
+  absl::Status follow(tet::Shape shape, const std::vector<tet::BrickCoord>* replaced) {
+    absl::StatusOr<Plan> made = plan_mesh({.shape = std::move(shape),
+                                           .request = request_,
+                                           .earlier = plan_.get(),
+                                           .replaced = replaced},
+                                          cancellation_);
     if (!made.ok()) return made.status();
     const Plan plan = *std::move(made);
     const auto patch = tet::MeshPatch::between(as_bricks(plan_), as_bricks(plan));

@@ -58,9 +58,14 @@ class ServedFrames final : public FrameMaker<Frame> {
     }
   }
 
-  Result<Frame> make(const Volume& before, const Volume& after) override {
+  Result<Frame> make(const Volume& before,
+                     const Volume& after,
+                     const ReplacedBoxes& replaced) override {
+    const auto bricks = replaced_bricks(before, after, replaced);
+    if (!bricks.ok()) return to_public(bricks.status());
     const auto leaves =
-        changed_leaves(*before.impl().components.front(), *after.impl().components.front());
+        changed_leaves(*before.impl().components.front(), *after.impl().components.front(),
+                       *bricks ? &**bricks : nullptr);
     return leaves.ok() ? after_update(session_->update(*leaves)) : to_public(leaves.status());
   }
   Result<Frame> make(const Scene& scene) override {

@@ -8,6 +8,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "client/library/api/replaced_bricks.h"
 #include "client/library/api/work.h"
 #include "tetstream/mesh.h"
 #include "tetstream/scene.h"
@@ -27,7 +28,9 @@ template <class Frame>
 class FrameMaker {
  public:
   virtual ~FrameMaker() = default;
-  virtual Result<Frame> make(const Volume& before, const Volume& after) = 0;
+  virtual Result<Frame> make(const Volume& before,
+                             const Volume& after,
+                             const ReplacedBoxes& replaced) = 0;
   virtual Result<Frame> make(const Scene& scene) = 0;
   /// A frame has failed, and nobody can make another.
   virtual bool is_over() const = 0;
@@ -40,7 +43,7 @@ class FollowedShape {
  public:
   explicit FollowedShape(const WorkOptions& options) : work(options) {}
 
-  Status update(const Volume& next);
+  Status update(const Volume& next, const ReplacedBoxes& replaced = std::nullopt);
   Status update(const Scene& scene);
   Status end();
 
@@ -66,12 +69,13 @@ class FollowedShape {
 };
 
 template <class Frame>
-Status FollowedShape<Frame>::update(const Volume& next) {
+Status FollowedShape<Frame>::update(const Volume& next, const ReplacedBoxes& replaced) {
   if (over) return is_past();
   if (!volume) {
     return {StatusCode::kInvalidArgument, "the session began with a scene: give it a scene"};
   }
-  Status status = take(guarded([&]() -> Result<Frame> { return maker->make(*volume, next); }));
+  Status status =
+      take(guarded([&]() -> Result<Frame> { return maker->make(*volume, next, replaced); }));
   if (status.ok()) volume = next;
   return status;
 }

@@ -31,10 +31,10 @@ StableMesh view_of(const tet::StableMesh& ids, const std::string& mesh_id) {
           .memory = ids.memory()};
 }
 
-template <class Solid>
-Status update_shown(StableSession::Impl& session, const Solid& solid) {
+template <class... Frame>
+Status update_shown(StableSession::Impl& session, const Frame&... frame) {
   const bool was_over = session.over;
-  Status status = session.update(solid);
+  Status status = session.update(frame...);
   if (status.ok()) {
     session.show();
   } else if (session.over && !was_over) {
@@ -82,6 +82,9 @@ Result<Mesh> StableSession::in_order() const {
 std::uint64_t StableSession::tets_sent() const noexcept { return impl_->now->tets_sent; }
 Status StableSession::update(const Volume& volume) { return update_shown(*impl_, volume); }
 Status StableSession::update(const Scene& scene) { return update_shown(*impl_, scene); }
+Status StableSession::update(const Volume& volume, std::span<const SampleBox> replaced) {
+  return update_shown(*impl_, volume, ReplacedBoxes(replaced));
+}
 bool StableSession::is_over() const noexcept { return impl_->over; }
 Status StableSession::end() { return impl_->end(); }
 

@@ -1,5 +1,8 @@
 #include "tetstream/session.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,6 +15,8 @@
 
 namespace tetstream::python {
 namespace {
+
+using BoxRows = py::array_t<std::int32_t, py::array::c_style>;
 
 /// A session of either kind, watched for as long as it lives. One thread at a time may be in
 /// it, which Python sees to.
@@ -42,6 +47,19 @@ class HeldSession {
   template <class Solid>
   void update(const Solid& solid) {
     const Status status = watch_.call([&] { return session_->update(solid); });
+    if (!status.ok()) raise_error(status);
+  }
+
+  /// `boxes` has a row of six for each: its begin, and its end.
+  void update_replaced(const Volume& volume, const BoxRows& boxes) {
+    std::vector<SampleBox> replaced(static_cast<std::size_t>(boxes.shape(0)));
+    const std::int32_t* row = boxes.data();
+    for (SampleBox& box : replaced) {
+      std::copy_n(row, 3, box.begin.begin());
+      std::copy_n(row + 3, 3, box.end.begin());
+      row += 6;
+    }
+    const Status status = watch_.call([&] { return session_->update(volume, replaced); });
     if (!status.ok()) raise_error(status);
   }
 
@@ -159,7 +177,9 @@ void bind_session(py::module_& module) {
   module.def("session_there", &session_there<Volume>);
   module.def("session_there", &session_there<Scene>);
   bind_stable_mesh(module);
-  bind_held<HeldStable>(module, "StableSession").def("in_order", &HeldStable::in_order);
+  bind_held<HeldStable>(module, "StableSession")
+      .def("in_order", &HeldStable::in_order)
+      .def("update_replaced", &HeldStable::update_replaced);
   module.def("stable_session", &stable_session_here<Volume>);
   module.def("stable_session", &stable_session_here<Scene>);
   module.def("stable_session_there", &stable_session_there<Volume>);

@@ -11,6 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
+from numpy.typing import ArrayLike
+
 from . import _tetstream
 from ._client import LOCAL, Client
 from ._jobs import JobEvent, Jobs, JobWatch
@@ -178,8 +180,9 @@ class AsyncStableSession(_AsyncFollowing[StableSession]):
         return self._sync.mesh
 
     @functools.wraps(StableSession.update)
-    async def update(self, frame: Any) -> StableMesh:
-        return await _run(self._sync._session.stop, self._sync.update, frame)
+    async def update(self, frame: Any, *, replaced: ArrayLike | None = None) -> StableMesh:
+        update = functools.partial(self._sync.update, replaced=replaced)
+        return await _run(self._sync._session.stop, update, frame)
 
     @functools.wraps(StableSession.in_order)
     async def in_order(self) -> Mesh:

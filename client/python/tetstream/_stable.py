@@ -5,15 +5,30 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _tetstream
 from ._backends import Backend
-from ._errors import FailedPreconditionError, StatusCode
+from ._errors import FailedPreconditionError, StatusCode, invalid
 from ._header import Header
 from ._mesh import Mesh
 from ._request import Meshable, options_of
 from ._session import Following
+
+
+def _boxes(replaced: ArrayLike) -> NDArray[np.int32]:
+    """Rows of six, as the library has them."""
+    boxes = np.asarray(replaced)
+    if boxes.size == 0:
+        return np.empty((0, 6), np.int32)
+    if boxes.ndim != 3 or boxes.shape[1:] != (2, 3):
+        raise invalid(f"replaced has the shape {boxes.shape}; (k, 2, 3) is needed: the first sample of each box, and its end")
+    if not np.issubdtype(boxes.dtype, np.integer):
+        raise invalid(f"replaced has numbers of type {boxes.dtype}; samples are counted by integers")
+    most = np.iinfo(np.int32)
+    if boxes.min() < most.min or boxes.max() > most.max:
+        raise invalid(f"replaced goes from {boxes.min()} to {boxes.max()}: samples lie within {most.min} and {most.max}")
+    return np.ascontiguousarray(boxes, dtype=np.int32).reshape(-1, 6)
 
 
 class StableMesh:
@@ -126,15 +141,33 @@ class StableSession(Following[_tetstream.StableSession]):
     mesh: StableMesh
     """As it is now."""
 
-    def update(self, frame: Meshable) -> StableMesh:
+    def update(self, frame: Meshable, *, replaced: ArrayLike | None = None) -> StableMesh:
         """The mesh of the next frame. The one before is patched in place, and its `StableMesh` raises from now on.
 
-        Errors: those of `Session.update`.
+        replaced  shape (k, 2, 3), integers: boxes of samples, first and end along x, y and z, as in
+                  values[x0:x1, y0:y1, z0:z1] of a `Volume.from_array`. Outside of them the volume has the samples of the
+                  frame before. Then the two are not compared, which is a part of an update's time; boxes that are
+                  too large, or too many, do no harm.
+
+        A list that leaves out what has changed raises InvalidArgumentError, and the mesh stays, where it is noticed: other
+        samples in the blocks of 8 x 8 x 8 samples (from multiples of 8 on) around those that the boxes touch; further away,
+        blocks whose least or greatest sample is another, or that were constant and are no longer, or have another
+        constant. That nothing else has changed there is your word: of a block far from all boxes whose samples
+        change between the same bounds, the mesh would stay what it was.
+
+        Errors: those of `Session.update`; InvalidArgumentError (of `replaced`: another shape, a box that ends before
+        it begins, a frame that is no volume, and the above).
         """
         was_over = self.is_over
         shape = self._backend.frame(frame, options_of())
+        boxes = None if replaced is None else _boxes(replaced)
+        if boxes is not None and not isinstance(shape, _tetstream.Volume):
+            raise invalid("a solid has no samples that are replaced: give `replaced` with volumes alone")
         try:
-            self._session.update(shape)
+            if boxes is not None and isinstance(shape, _tetstream.Volume):
+                self._session.update_replaced(shape, boxes)
+            else:
+                self._session.update(shape)
         except BaseException:
             if self.is_over and not was_over:
                 self.mesh._mesh = None

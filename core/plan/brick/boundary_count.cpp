@@ -1,8 +1,10 @@
 #include "core/plan/brick/boundary_count.h"
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/base/brick_neighbours.h"
@@ -23,10 +25,10 @@ class SurfacePieces {
 
   /// Unites what neighbouring bricks share; what is left are the components.
   std::uint64_t count_components(const Cancellation& cancellation) {
-    BrickNeighbours neighbours(survey_.bricks);
+    BrickNeighbours neighbours(survey_.bricks), later(survey_.bricks, RowsAround::kLater);
     for (std::size_t i = 0; i < survey_.bricks.size() && !cancellation.requested(); ++i) {
       if (is_sheet(i)) {
-        if (survey_.sheets[i].later != 0) unite_sheet(i, neighbours.around(survey_.bricks[i]));
+        if (survey_.sheets[i].later != 0) unite_sheet(i, later.around(survey_.bricks[i]));
       } else if (parts_[i] != nullptr) {
         unite_parts(i, neighbours.around(survey_.bricks[i]));
       }
@@ -64,13 +66,20 @@ class SurfacePieces {
         unite_with_sheet(first_[brick] + p, around[place]);
       }
     }
+    // Where the last link to each brick led, and the pieces that it united: most links of a
+    // part unite the same ones again.
+    std::array<std::size_t, 27> found{};
+    std::array<std::pair<std::uint64_t, std::uint64_t>, 27> united{};
     for (const SurfaceLink& link : parts.links) {
       const auto [x, y, z] = link.to_brick;
-      const std::uint32_t other =
-          around[static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1)];
+      const auto place = static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1);
+      const std::uint32_t other = around[place];
       if (other == kNoBrick || parts_[other] == nullptr) continue;
-      const auto part = parts_[other]->part(link.element);
-      if (part) pieces_.unite(first_[brick] + link.part, first_[other] + *part);
+      const auto part = parts_[other]->part(link.element, found[place]);
+      if (!part) continue;
+      const std::pair pieces(first_[brick] + link.part, first_[other] + *part);
+      if (std::exchange(united[place], pieces) == pieces) continue;
+      pieces_.unite(pieces.first, pieces.second);
     }
   }
 

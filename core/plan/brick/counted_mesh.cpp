@@ -10,6 +10,7 @@
 #include "core/base/parallel.h"
 #include "core/lattice/reach.h"
 #include "core/plan/brick/mesh_difference.h"
+#include "core/plan/brick/unchanged_bricks.h"
 #include "core/stuffing/count_tets.h"
 #include "core/stuffing/surface_faces.h"
 
@@ -17,7 +18,6 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kCountedPerRange = 16;  // the first of a range is searched for
-constexpr std::size_t kFoundAtATime = 8192;   ///< bricks whose vertices are held as whole masks
 constexpr std::array<MeshRegion, 2> kRegions{MeshRegion::kInside, MeshRegion::kOutside};
 
 /// Some bricks of one level.
@@ -50,19 +50,23 @@ CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation
       survey_(std::move(surveyed.survey)),
       tree_(std::move(surveyed.tree)) {
   const PhiField& field = surveyed.field;
-  // In a uniform mesh of the inside every brick with a vertex is there already.
-  if (!surveyed.uniform || rules_.both_sides) insert_corner_bricks(tree_.levels[0]);
-  for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
-  find_stuffed(field, cancellation);
-  if (!cancellation.requested()) find_vertices(cancellation);
-  if (cancellation.requested()) return;
-  if (const ComparedMesh* earlier = surveyed.earlier) {
-    kept_ = find_kept_bricks(*earlier, {*this, field});
-    earlier_serial_ = earlier->mesh.serial_;
-    count_bricks(cancellation, &earlier->mesh, kept_);
-  } else {
-    count_bricks(cancellation, nullptr, {});
+  if (!surveyed.complete) {
+    // In a uniform mesh of the inside every brick with a vertex is there already.
+    if (!surveyed.uniform || rules_.both_sides) insert_corner_bricks(tree_.levels[0]);
+    for (std::size_t l = 1; l < tree_.levels.size(); ++l) insert_corner_bricks(tree_.levels[l]);
   }
+  find_stuffed(field, cancellation);
+  std::vector<BrickPlaces> unchanged;
+  const ComparedMesh* const earlier = surveyed.earlier;
+  const CountedMesh* const before = earlier == nullptr ? nullptr : &earlier->mesh;
+  if (before != nullptr) unchanged = find_unchanged_bricks(*before, *this);
+  if (!cancellation.requested()) find_vertices(before, unchanged, cancellation);
+  if (cancellation.requested()) return;
+  if (before != nullptr) {
+    kept_ = find_kept_bricks(*earlier, {*this, field}, std::move(unchanged));
+    earlier_serial_ = before->serial_;
+  }
+  count_bricks(cancellation, before, kept_);
   survey_.known = {};  // places in a survey that may be gone before this mesh is
 }
 
@@ -79,7 +83,7 @@ CountedMesh::CountedMesh(MeshStructure structure, const StuffingRules& rules, bo
       tree_(std::move(structure.tree)),
       stuffed_(std::move(structure.stuffed)) {
   find_cut_points();
-  find_vertices({});
+  find_vertices(nullptr, {}, {});
   count_bricks({}, nullptr, {});
 }
 
@@ -114,62 +118,6 @@ void CountedMesh::find_stuffed(const PhiField& field, const Cancellation& cancel
       stuffed_[i] = inside ? kAllInside : kAllOutside;
     }
   });
-}
-
-void CountedMesh::find_vertices(const Cancellation& cancellation) {
-  const OctreeLevel& finest = tree_.levels[0];
-  nodes_.resize(tree_.levels.size());
-  nodes_[0].corner.reserve(finest.bricks.size());
-  nodes_[0].centre.reserve(finest.bricks.size());
-  std::vector<NodeMasks> found;
-  for (std::size_t first = 0; first < finest.bricks.size(); first += kFoundAtATime) {
-    found.assign(std::min(kFoundAtATime, finest.bricks.size() - first), {});
-    for_each_range(found.size(), kCountedPerRange, [&](std::size_t begin, std::size_t end) {
-      if (cancellation.requested()) return;
-      BrickNeighbours neighbours(finest.bricks,
-                                 rules_.both_sides ? RowsAround::kAll : RowsAround::kLower);
-      for (std::size_t i = begin; i < end; ++i) {
-        const PlacesAround& around = neighbours.around(finest.bricks[first + i]);
-        found[i] = rules_.both_sides ? find_vertices_of_both_sides(first + i, around)
-                                     : find_finest_vertices(first + i, around);
-      }
-    });
-    for (const NodeMasks& nodes : found) {
-      nodes_[0].corner.push_back(nodes[kCorner]);
-      nodes_[0].centre.push_back(nodes[kCentre]);
-    }
-  }
-  for (std::size_t l = 1; l < tree_.levels.size(); ++l) {
-    nodes_[l] = background_nodes(tree_.levels[l], tree_.levels[l - 1], nodes_[l - 1]);
-  }
-}
-
-NodeMasks CountedMesh::find_finest_vertices(std::size_t brick,
-                                            const PlacesAround& around) const {
-  const StuffedBrick* stuffed = stuffed_at(static_cast<std::uint32_t>(brick));
-  if (stuffed == nullptr) return {};
-  return finest_vertices(*stuffed, lower_leaves(tree_.levels[0].leaf, around));
-}
-
-NodeMasks CountedMesh::find_vertices_of_both_sides(std::size_t brick,
-                                                   const PlacesAround& around) {
-  const MaskColumn& leaf = tree_.levels[0].leaf;
-  if (!touches_surface(brick)) return {leaf_corners(lower_leaves(leaf, around)), leaf[brick]};
-  const UsedByTets used = used_by_tets(surroundings(around), gather_halo(leaf, around));
-  trim_cut_points(stuffed_[brick], used);
-  return used.node;
-}
-
-void CountedMesh::trim_cut_points(std::uint32_t stuffed, const UsedByTets& used) {
-  // Other bricks read this one's signs at the same time, but not its cut points.
-  auto& cut = survey_.stuffed[stuffed].cut;
-  for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
-    const BrickMask trimmed = cut[f] & used.edge[f];
-    // What was packed has the cut points that were there before.
-    if (!(trimmed == cut[f]) && !geometry_is_trimmed_)
-      survey_.geometry.of_brick[stuffed] = nullptr;
-    cut[f] = trimmed;
-  }
 }
 
 void CountedMesh::count_bricks(const Cancellation& cancellation,
@@ -234,6 +182,7 @@ std::uint64_t CountedMesh::bytes() const noexcept {
   std::uint64_t bytes =
       survey_.bytes() + all_heap_bytes(stuffed_, first_vertex_, first_tet_, first_face_);
   for (const OctreeLevel& level : tree_.levels) bytes += level.bytes();
+  bytes += tree_.above.bytes();
   for (const LevelNodes& nodes : nodes_) {
     bytes += nodes.bytes();
   }

@@ -48,8 +48,9 @@ struct SurveyedMesh {
   Survey survey;
   Octree tree;
   StuffingRules rules = {};
-  bool uniform = false;  ///< all leaves are finest
-  bool faces = false;    ///< those of the boundary are counted, too
+  bool uniform = false;   ///< all leaves are finest
+  bool faces = false;     ///< those of the boundary are counted, too
+  bool complete = false;  ///< every brick that owns a corner is in the tree already
   /// What this mesh, which may be null, counted is not counted again: it has the same rules and
   /// the same lattice.
   const ComparedMesh* earlier = nullptr;
@@ -128,8 +129,12 @@ class CountedMesh {
   const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
   OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   void find_stuffed(const PhiField& field, const Cancellation& cancellation);
-  void find_vertices(const Cancellation& cancellation);
-  NodeMasks find_finest_vertices(std::size_t brick, const PlacesAround& around) const;
+  /// `earlier` may be null; `unchanged` has the places there of the bricks that own the same.
+  void find_vertices(const CountedMesh* earlier,
+                     std::span<const BrickPlaces> unchanged,
+                     const Cancellation& cancellation);
+  void find_finest_vertices(const KnownNodes& known, const Cancellation& cancellation);
+  NodeMasks find_vertices_inside(std::size_t brick, const PlacesAround& around) const;
   NodeMasks find_vertices_of_both_sides(std::size_t brick, const PlacesAround& around);
   void trim_cut_points(std::uint32_t stuffed, const UsedByTets& used);
   void find_cut_points();

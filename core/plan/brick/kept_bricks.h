@@ -8,13 +8,16 @@ namespace tet {
 
 inline constexpr std::uint32_t kNewBrick = ~std::uint32_t{0};
 
+/// Where each brick of a level is in the earlier mesh's level, kNewBrick where it is not.
+using BrickPlaces = std::vector<std::uint32_t>;
+
 /// Says for each brick of a level which brick of the earlier mesh's level has its vertices, or
 /// its tets: kNewBrick where none has.
 ///
 /// Where a brick is not kept, `nodes` says which brick it was: what neither moved to the
 /// surface has some of its nodes as it had them.
 struct KeptBricks {
-  std::vector<std::uint32_t> vertices, tets, nodes;
+  BrickPlaces vertices, tets, nodes;
 };
 
 }  // namespace tet

@@ -10,6 +10,7 @@
 #include "core/base/parallel.h"
 #include "core/plan/brick/changed_reach.h"
 #include "core/plan/brick/survey.h"
+#include "core/plan/brick/unchanged_bricks.h"
 #include "core/stuffing/brick_geometry.h"
 
 namespace tet {
@@ -62,7 +63,7 @@ class LevelComparison {
 
   /// Whether its leaves are, and the vertices that it owns, and where they lie.
   bool is_same(std::size_t before, std::size_t brick) {
-    if (!same_cells(before, brick)) return false;
+    if (!same_cells(tree_level(earlier_), before, tree_level(now_), brick)) return false;
     const LevelNodes& nodes_before = earlier_.mesh.nodes(level_);
     const LevelNodes& nodes = now_.mesh.nodes(level_);
     return nodes_before.corner[before] == nodes.corner[brick] &&
@@ -73,16 +74,6 @@ class LevelComparison {
  private:
   const OctreeLevel& tree_level(const ComparedMesh& of) const {
     return of.mesh.tree().levels[static_cast<std::size_t>(level_)];
-  }
-
-  bool same_cells(std::size_t before, std::size_t brick) const {
-    const OctreeLevel& a = tree_level(earlier_);
-    const OctreeLevel& b = tree_level(now_);
-    if (!(a.leaf[before] == b.leaf[brick])) return false;
-    if (level_ == 0) return true;
-    const bool same_inside = a.inside.empty() == b.inside.empty() &&
-                             (a.inside.empty() || a.inside[before] == b.inside[brick]);
-    return same_inside && a.refined[before] == b.refined[brick];
   }
 
   bool same_surface(std::size_t before, std::size_t brick) {
@@ -160,13 +151,14 @@ ChangedBrick changed_brick(BrickCoord brick,
 }
 
 /// Finds the number of each brick in the earlier level where the brick is as it was, else
-/// kNewBrick. `changed` gets the bricks that only one level has, and those that differ; and
-/// `partly_same` the earlier numbers of the latter.
-std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
-                                     const ComparedMesh& now,
-                                     int level,
-                                     std::vector<ChangedBrick>& changed,
-                                     std::vector<std::uint32_t>& partly_same) {
+/// kNewBrick; `same` has some of them, or is empty. `changed` gets the bricks that only one
+/// level has, and those that differ; and `partly_same` the earlier numbers of the latter.
+BrickPlaces find_same(const ComparedMesh& earlier,
+                      const ComparedMesh& now,
+                      int level,
+                      BrickPlaces same,
+                      std::vector<ChangedBrick>& changed,
+                      BrickPlaces& partly_same) {
   const auto l = static_cast<std::size_t>(level);
   static const std::vector<BrickCoord> none;
   const auto& levels_before = earlier.mesh.tree().levels;
@@ -175,12 +167,15 @@ std::vector<std::uint32_t> find_same(const ComparedMesh& earlier,
   const std::vector<BrickCoord>& before = level_before ? level_before->bricks : none;
   const OctreeLevel& level_now = now.mesh.tree().levels[l];
   const std::vector<BrickCoord>& bricks = level_now.bricks;
-  std::vector<std::uint32_t> same(bricks.size(), kNewBrick);
+  same.resize(bricks.size(), kNewBrick);
   partly_same.assign(bricks.size(), kNewBrick);
   for_each_range(bricks.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
+    while (begin < end && same[begin] != kNewBrick) ++begin;
+    if (begin == end) return;
     LevelComparison comparison(earlier, now, level);
     auto at = std::ranges::lower_bound(before, bricks[begin]);
     for (std::size_t i = begin; i < end; ++i) {
+      if (same[i] != kNewBrick) continue;
       while (at != before.end() && *at < bricks[i]) ++at;
       if (at == before.end() || *at != bricks[i]) continue;
       const auto number = static_cast<std::size_t>(at - before.begin());
@@ -283,13 +278,17 @@ void add_level(const ComparedMesh& earlier,
 
 }  // namespace
 
-std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now) {
+std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
+                                         const ComparedMesh& now,
+                                         std::vector<BrickPlaces> unchanged) {
+  unchanged.resize(now.mesh.tree().levels.size());
   std::vector<KeptBricks> kept;
   std::vector<std::vector<ChangedBrick>> changed;
   for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
     KeptBricks level_kept;
     level_kept.vertices =
-        find_same(earlier, now, level, changed.emplace_back(), level_kept.nodes);
+        find_same(earlier, now, level, std::move(unchanged[static_cast<std::size_t>(level)]),
+                  changed.emplace_back(), level_kept.nodes);
     level_kept.tets = level_kept.vertices;
     mark_readers(changed, now.mesh.tree().levels[static_cast<std::size_t>(level)],
                  level_kept.tets);

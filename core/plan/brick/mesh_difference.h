@@ -16,7 +16,11 @@ struct MeshDifference {
 };
 
 /// Has one entry a level and reads neither mesh's counts. For the rest see compare_meshes.
-std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier, const ComparedMesh& now);
+/// Bricks that are `unchanged` (see find_unchanged_bricks) are not looked at again; with an
+/// empty list all are.
+std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
+                                         const ComparedMesh& now,
+                                         std::vector<BrickPlaces> unchanged = {});
 
 /// A brick's vertices are kept where its leaves, signs, cut points and warps are what they
 /// were, and away from the surface each that was there; its tets where that holds for all cells

@@ -10,6 +10,7 @@
 #include "core/plan/brick/boundary_count.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/divided_survey.h"
+#include "core/plan/brick/patched_tree.h"
 #include "core/plan/check_tets.h"
 #include "core/plan/leaf_budget.h"
 #include "core/plan/mesh_place.h"
@@ -48,9 +49,34 @@ absl::StatusOr<Survey> survey_rest(const PlanJob& job,
                        cancellation, job.progress, &before);
 }
 
+/// An octree, and whether it has every brick that owns a corner.
+struct GrownTree {
+  Octree tree;
+  bool complete = false;
+};
+
+GrownTree grow_tree(const Survey& survey,
+                    const PreparedMesh& prepared,
+                    const LeafRules& rules,
+                    const std::optional<AlikeMesh>& alike,
+                    const Cancellation& cancellation) {
+  const InsideTest is_inside = survey.inside_test();
+  const OctreeCover cover = cover_of(prepared);
+  const OctreeSpace space{prepared.field, is_inside, cover, rules};
+  if (alike && alike->difference->touched() != nullptr) {
+    const FinestCells finest{survey.bricks, survey.finest};
+    const EarlierTree earlier{alike->mesh.mesh.tree(), *alike->difference->touched()};
+    if (can_patch(earlier, finest, space)) {
+      return {patch_tree(finest, earlier, space, cancellation), true};
+    }
+  }
+  return {build_octree({survey.bricks, survey.finest}, prepared.field, is_inside, cover, rules,
+                       cancellation)};
+}
+
 /// All that follows from the survey alone.
 struct Surveyed {
-  Octree tree;
+  GrownTree grown;
   ThinWalls thin_walls;
   std::optional<BoundaryTopology> boundary;
 };
@@ -58,14 +84,11 @@ struct Surveyed {
 Surveyed follow_survey(const Survey& survey,
                        const PreparedMesh& prepared,
                        const LeafRules& rules,
+                       const std::optional<AlikeMesh>& alike,
                        const Cancellation& cancellation) {
   Surveyed surveyed;
   run_side_by_side(
-      [&] {
-        surveyed.tree =
-            build_octree({survey.bricks, survey.finest}, prepared.field, survey.inside_test(),
-                         cover_of(prepared), rules, cancellation);
-      },
+      [&] { surveyed.grown = grow_tree(survey, prepared, rules, alike, cancellation); },
       [&] {
         if (survey.has_topology) surveyed.boundary = count_boundary(survey, cancellation);
       },
@@ -129,14 +152,15 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
   const std::optional<AlikeMesh> alike = find_alike(job, prepared);
   absl::StatusOr<Survey> survey = survey_rest(job, prepared, alike, cancellation);
   if (!survey.ok()) return survey.status();
-  Surveyed surveyed = follow_survey(*survey, prepared, rules, cancellation);
+  Surveyed surveyed = follow_survey(*survey, prepared, rules, alike, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   CountedMesh mesh({.field = prepared.field,
                     .survey = *std::move(survey),
-                    .tree = std::move(surveyed.tree),
+                    .tree = std::move(surveyed.grown.tree),
                     .rules = prepared.space.rules,
                     .uniform = prepared.asked.levels == 0,
                     .faces = job.request.faces,
+                    .complete = surveyed.grown.complete,
                     .earlier = alike ? &alike->mesh : nullptr},
                    cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;

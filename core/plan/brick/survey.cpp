@@ -181,10 +181,19 @@ class EarlierBricks {
   /// Finds a brick's place in the earlier survey, kNotKnown where the surface did not reach it.
   /// Bricks are asked for in ascending order.
   std::uint32_t find(BrickCoord brick) {
-    const auto begin = survey_.bricks.begin() + static_cast<std::ptrdiff_t>(at_);
-    const auto found = std::lower_bound(begin, survey_.bricks.end(), brick);
-    at_ = static_cast<std::size_t>(found - survey_.bricks.begin());
-    const bool known = found != survey_.bricks.end() && *found == brick;
+    const std::vector<BrickCoord>& bricks = survey_.bricks;
+    // Nearly always it is the next one, or beyond it by few.
+    std::size_t step = started_ ? 1 : bricks.size();
+    started_ = true;
+    while (at_ + step < bricks.size() && bricks[at_ + step - 1] < brick) {
+      at_ += step;
+      step *= 2;
+    }
+    const auto begin = bricks.begin() + static_cast<std::ptrdiff_t>(at_);
+    const auto end =
+        bricks.begin() + static_cast<std::ptrdiff_t>(std::min(at_ + step, bricks.size()));
+    at_ = static_cast<std::size_t>(std::lower_bound(begin, end, brick) - bricks.begin());
+    const bool known = at_ < bricks.size() && bricks[at_] == brick;
     return known ? static_cast<std::uint32_t>(at_) : kNotKnown;
   }
 
@@ -197,6 +206,7 @@ class EarlierBricks {
  private:
   const Survey& survey_;
   FieldDifference::Asker asker_;
+  bool started_ = false;
   std::size_t at_ = 0;
 };
 
@@ -266,9 +276,7 @@ class Surveyor {
                   Findings& findings,
                   GeometryKeeper& keeper) {
     const EarlierSurvey* const earlier = task_.earlier;
-    PhiSampler sampler(task_.field);
-    sampler.stop_when(task_.cancellation);
-    if (sides_) sampler.remember_in(*sides_);
+    std::optional<PhiSampler> sampler;
     std::optional<ScratchPool<SurveyWorkspace>::Turn> workspace;
     std::optional<EarlierBricks> before;
     if (earlier != nullptr) before.emplace(*earlier);
@@ -284,8 +292,12 @@ class Surveyor {
                             earlier->survey.geometry.of_brick[at]);
         }
       } else {
-        if (!workspace) workspace.emplace(workspaces_);
-        auto found = survey_brick(sampler, candidates[i], task_.space, survey_.restored.get(),
+        if (!workspace) {
+          workspace.emplace(workspaces_);
+          sampler.emplace(task_.field).stop_when(task_.cancellation);
+          if (sides_) sampler->remember_in(*sides_);
+        }
+        auto found = survey_brick(*sampler, candidates[i], task_.space, survey_.restored.get(),
                                   **workspace, spots);
         if (found) {
           keeper.keep(i, found->stuffed, (*workspace)->stuffing.lattice);

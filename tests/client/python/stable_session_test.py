@@ -123,3 +123,42 @@ def test_asyncio_has_it():
                 assert whole.header.tet_count == mesh.header.tet_count
 
     asyncio.run(follow())
+
+
+def dented(depth):
+    """A ball, and less or more of it in a block of samples."""
+    grid = np.mgrid[:48, :48, :48].astype(np.float32)
+    values = np.clip(np.sqrt(((grid - 23.5) ** 2).sum(axis=0)) - 17, -3, 3)
+    values[38:42, 20:26, 20:26] += depth
+    return ts.Volume.from_array(values, spacing=1)
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_frames_may_name_what_was_replaced(client, served):
+    with (client if served else ts).stable_session(dented(0)) as session, ts.session(dented(0)) as whole:
+        for depth, replaced in ((0.4, [((38, 20, 20), (42, 26, 26))]), (0, [[[0, 0, 0], [48, 48, 48]]]), (0, []),
+                                (0.8, np.array([[[36, 0, 0], [44, 30, 30]], [[0, 0, 0], [1, 1, 1]]]))):
+            session.update(dented(depth), replaced=replaced)
+            assert_same(session.in_order(), whole.update(dented(depth)))
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_a_list_that_leaves_out_what_changed_is_refused(client, served):
+    with (client if served else ts).stable_session(dented(0)) as session:
+        before = session.in_order()
+        for depth, replaced in ((0.4, []), (3, [((0, 0, 0), (8, 8, 8))]), (0.01, [((40, 16, 16), (48, 24, 24))])):
+            with pytest.raises(ts.InvalidArgumentError, match="replaced"):
+                session.update(dented(depth), replaced=replaced)
+            assert_same(session.in_order(), before)
+        session.update(dented(0.4), replaced=[((38, 20, 20), (42, 26, 26))])
+
+
+def test_replaced_are_boxes_of_whole_samples():
+    with ts.stable_session(dented(0)) as session:
+        for replaced in ([(0, 0, 0)], [((0, 0, 0.5), (1, 1, 1))], [((5, 0, 0), (4, 9, 9))], [((0, 0, 0), (2**40, 1, 1))]):
+            with pytest.raises(ts.InvalidArgumentError, match="replaced"):
+                session.update(dented(0), replaced=replaced)
+    with ts.stable_session(ts.sphere(1), spacing=0.2) as session:
+        with pytest.raises(ts.InvalidArgumentError, match="volumes"):
+            session.update(ts.sphere(1), replaced=[])
+

@@ -25,7 +25,7 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
        {-9, 0}) {  // from before the first brick, and from the middle
     std::mt19937 steps(8);
     BrickNeighbours neighbours(bricks), below(bricks, RowsAround::kLower),
-        above(bricks, RowsAround::kUpper);
+        above(bricks, RowsAround::kUpper), later(bricks, RowsAround::kLater);
     for (std::int32_t x = first; x < 9; x += 2) {
       for (std::int32_t y = -9; y < 9; ++y) {
         // Now and then the next one along z, now and then another, or the same again.
@@ -33,6 +33,7 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
           const PlacesAround& around = neighbours.around({x, y, z});
           const PlacesAround& lower = below.around({x, y, z});
           const PlacesAround& upper = above.around({x, y, z});
+          const PlacesAround& after = later.around({x, y, z});
           for (int o = 0; o < 27; ++o) {
             const int dx = o / 9 - 1, dy = o / 3 % 3 - 1, dz = o % 3 - 1;
             const std::uint32_t at = index.find({x + dx, y + dy, z + dz});
@@ -40,6 +41,9 @@ TEST(BrickNeighbours, AreThoseThatAnIndexFinds) {
             EXPECT_EQ(around[place], at);
             EXPECT_EQ(lower[place], dx < 1 && dy < 1 ? at : kNoBrick);
             EXPECT_EQ(upper[place], dx > -1 && dy > -1 ? at : kNoBrick);
+            if (place > kItself) {
+              EXPECT_EQ(after[place], at);
+            }
           }
         }
       }

@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
+#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -186,13 +189,35 @@ TEST(PartsBetweenRegions, AreThoseOfTheSurfaceItself) {
 
 TEST(SurfaceParts, HasNoPartOfAVertexThatIsNotListed) {
   SurfaceParts parts;
-  EXPECT_FALSE(parts.part(7).has_value());
+  std::size_t near = 0;
+  EXPECT_FALSE(parts.part(7, near).has_value());
   parts.count = 2;
-  EXPECT_FALSE(parts.part(7).has_value());
+  EXPECT_FALSE(parts.part(7, near).has_value());
   parts.part_of = {{6, 0}, {8, 1}};
-  EXPECT_FALSE(parts.part(7).has_value());
-  EXPECT_FALSE(parts.part(9).has_value());
-  EXPECT_EQ(parts.part(8), 1);
+  EXPECT_FALSE(parts.part(7, near).has_value());
+  EXPECT_FALSE(parts.part(9, near).has_value());
+  EXPECT_EQ(parts.part(8, near), 1);
+}
+
+TEST(SurfaceParts, FindsAPartWhereverItSearchesFrom) {
+  SurfaceParts parts;
+  parts.count = 2;
+  for (int element = 3; element < 90; element += 1 + element % 5) {
+    parts.part_of.push_back(
+        {static_cast<std::uint16_t>(element), static_cast<std::uint16_t>(element % 2)});
+  }
+  for (std::size_t start = 0; start <= parts.part_of.size() + 1; ++start) {
+    for (std::uint16_t element = 0; element < 95; ++element) {
+      const auto listed =
+          std::ranges::find(parts.part_of, element, [](const auto& pair) { return pair[0]; });
+      std::size_t near = start;
+      const std::optional<std::uint16_t> part = parts.part(element, near);
+      ASSERT_EQ(part.has_value(), listed != parts.part_of.end()) << element << " " << start;
+      if (part) {
+        EXPECT_EQ(*part, (*listed)[1]);
+      }
+    }
+  }
 }
 
 TEST(PartsBetweenRegions, HangTogetherAroundABlockOfZeros) {

@@ -1,8 +1,10 @@
 // Meshes that follow their shapes under ids that do not move, patched in place.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "tetstream/export.h"
@@ -18,6 +20,12 @@ namespace tetstream {
 struct SlotRange {
   std::uint64_t begin = 0, end = 0;
   friend bool operator==(const SlotRange&, const SlotRange&) = default;
+};
+
+/// Samples (i, j, k) of a volume with begin <= (i, j, k) < end along each axis: of one made of
+/// an array its own numbers, and of a file those of OpenVDB's index space.
+struct SampleBox {
+  std::array<std::int32_t, 3> begin{}, end{};
 };
 
 /// A mesh by slots. A vertex or a tet that is kept from one frame to the next keeps its slot,
@@ -68,6 +76,18 @@ class TETSTREAM_API StableSession {
   /// The mesh becomes that of another volume, or scene. Errors: those of Session::update.
   Status update(const Volume& volume);
   Status update(const Scene& scene);
+  /// Says where a volume may have samples that the one before it, of the frame that was taken
+  /// last, has not: in `replaced`, and nowhere else. Then the two are not compared, which is a
+  /// part of an update's time; boxes that are too large, or too many, do no harm.
+  ///
+  /// A list that leaves out what has changed is refused with kInvalidArgument, and the frame
+  /// with it, where it is noticed: other samples in the blocks of 8 x 8 x 8 samples (from
+  /// multiples of 8 on) around those that the boxes touch; further away, blocks whose least or
+  /// greatest sample is another, or that were constant and are no longer, or have another
+  /// constant. That nothing else has changed there is the caller's word: of a block far from
+  /// all boxes whose samples change between the same bounds, the mesh would stay what it was.
+  /// Errors also: those of `update` of a volume alone.
+  Status update(const Volume& volume, std::span<const SampleBox> replaced);
 
   /// Tets of the last frame that were made here or sent by the server; the others were kept.
   std::uint64_t tets_sent() const noexcept;
