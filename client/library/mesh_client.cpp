@@ -198,7 +198,7 @@ absl::StatusOr<PointSamples> MeshClient::sample_points(
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> MeshClient::begin_session(
     const v1::MeshRequest& request, const Cancellation& cancellation, SessionIds ids) {
-  return RemeshSession::begin(*connection_, request, cancellation, ids);
+  return RemeshSession::begin(connection_, request, cancellation, ids);
 }
 
 }  // namespace tet

@@ -22,14 +22,15 @@ constexpr std::size_t kLeafOverhead = 8;
 
 }  // namespace
 
-RemeshSession::RemeshSession(Connection& connection,
+RemeshSession::RemeshSession(std::shared_ptr<Connection> connection,
                              const Cancellation& cancellation,
                              SessionIds ids)
-    : cancellation_(cancellation),
-      shared_memory_path_(connection.server().shared_memory_path()),
-      shared_(connection.shared_chunks()),
-      call_(connection.server(), cancellation),
-      stream_(std::make_unique<RawCall>(connection.server().channel(),
+    : connection_(std::move(connection)),
+      cancellation_(cancellation),
+      shared_memory_path_(connection_->server().shared_memory_path()),
+      shared_(connection_->shared_chunks()),
+      call_(connection_->server(), cancellation),
+      stream_(std::make_unique<RawCall>(connection_->server().channel(),
                                         call_.context(),
                                         v1::MeshService::service_full_name(),
                                         "RemeshSession")) {
@@ -43,11 +44,12 @@ RemeshSession::~RemeshSession() {
 }
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
-    Connection& connection,
+    std::shared_ptr<Connection> connection,
     const v1::MeshRequest& request,
     const Cancellation& cancellation,
     SessionIds ids) {
-  std::unique_ptr<RemeshSession> session(new RemeshSession(connection, cancellation, ids));
+  std::unique_ptr<RemeshSession> session(
+      new RemeshSession(std::move(connection), cancellation, ids));
   v1::RemeshRequest message;
   *message.mutable_start() = request;
   message.set_tell_refusals(true);

@@ -28,10 +28,10 @@ enum class SessionIds : bool {
 /// mesh as it was, and the session alive; after any other error it is over: begin another.
 class RemeshSession {
  public:
-  /// Receives the mesh of `request`. Both `connection` and `cancellation` outlive the session.
+  /// Receives the mesh of `request`. `cancellation` outlives the session.
   /// Errors: the server's, kDataLoss (a stream that is none), kCancelled, kDeadlineExceeded.
   static absl::StatusOr<std::unique_ptr<RemeshSession>> begin(
-      Connection& connection,
+      std::shared_ptr<Connection> connection,
       const v1::MeshRequest& request,
       const Cancellation& cancellation,
       SessionIds ids = SessionIds::kInOrder);
@@ -57,7 +57,9 @@ class RemeshSession {
   absl::Status end();
 
  private:
-  RemeshSession(Connection& connection, const Cancellation& cancellation, SessionIds ids);
+  RemeshSession(std::shared_ptr<Connection> connection,
+                const Cancellation& cancellation,
+                SessionIds ids);
 
   absl::Status send(const v1::RemeshRequest& message);
   absl::Status exchange(const v1::RemeshRequest& message);
@@ -67,6 +69,7 @@ class RemeshSession {
   absl::Status give_up(absl::Status why);
   absl::Status broken();
 
+  const std::shared_ptr<Connection> connection_;  // first: the others use it
   const Cancellation& cancellation_;
   const std::string shared_memory_path_;  ///< of the server
   const PooledSharedChunks shared_;

@@ -1,5 +1,5 @@
 // All rows of a plane of nodes at once, and the edges between planes: what is done to one row
-// is done to each. For node_regions.cpp and plain_sides.cpp.
+// is done to each. For node_regions.cpp and climb.cpp.
 #pragma once
 
 #include <cstddef>

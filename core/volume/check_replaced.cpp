@@ -44,12 +44,11 @@ class SortedBricks {
   std::size_t at_ = 0;
 };
 
-/// Finds the first brick with values, outside of `replaced`, that differs.
-std::optional<BrickCoord> unlike_values(const Volume& before,
-                                        const Volume& after,
-                                        const std::vector<BrickCoord>& replaced) {
-  const std::vector<BrickCoord> around = with_neighbours(replaced);
-  SortedBricks named(replaced), near(around);
+/// Calls `visit(brick, i, j)` for each brick that one of the volumes has values of, in their
+/// order, with its place in either; none where it has none. Ends once that is false.
+template <class Visit>
+void for_each_stored(const Volume& before, const Volume& after, const Visit& visit) {
+  using Place = std::optional<std::size_t>;
   std::size_t i = 0, j = 0;
   while (i < before.bricks.size() || j < after.bricks.size()) {
     const bool was = i < before.bricks.size(), is = j < after.bricks.size();
@@ -57,33 +56,43 @@ std::optional<BrickCoord> unlike_values(const Volume& before,
                                        : (was ? before.bricks[i] : after.bricks[j]);
     const bool in_before = was && before.bricks[i] == brick;
     const bool in_after = is && after.bricks[j] == brick;
-    const auto same = [&] {
-      return in_before && in_after && same_range(before.ranges[i], after.ranges[j]) &&
-             (!near.have(brick) || same_bits(values_of(before, i), values_of(after, j)));
-    };
-    if (!named.have(brick) && !same()) return brick;
+    if (!visit(brick, in_before ? Place(i) : Place(), in_after ? Place(j) : Place())) return;
     i += in_before;
     j += in_after;
   }
-  return std::nullopt;
 }
 
-/// Finds the first constant brick of a region, outside of `replaced`, that has another value.
-/// Those that are constant in one volume alone have values in the other.
-std::optional<BrickCoord> unlike_constant(const Region& before,
-                                          const Region& after,
-                                          const std::vector<BrickCoord>& replaced) {
+/// Finds the first brick with values, outside of `replaced`, that differs.
+std::optional<BrickCoord> unlike_values(const Volume& before,
+                                        const Volume& after,
+                                        const std::vector<BrickCoord>& replaced) {
+  const std::vector<BrickCoord> around = with_neighbours(replaced);
+  SortedBricks named(replaced), near(around);
+  std::optional<BrickCoord> unlike;
+  for_each_stored(before, after, [&](BrickCoord brick, auto i, auto j) {
+    const auto same = [&] {
+      return i && j && same_range(before.ranges[*i], after.ranges[*j]) &&
+             (!near.have(brick) || same_bits(values_of(before, *i), values_of(after, *j)));
+    };
+    if (!named.have(brick) && !same()) unlike = brick;
+    return !unlike;
+  });
+  return unlike;
+}
+
+/// Calls `visit(brick)` for each brick of a region that has another constant. Those that are
+/// constant in one volume alone have values in the other.
+template <class Visit>
+void for_each_other_constant(const Region& before, const Region& after, const Visit& visit) {
   for (std::size_t i = 0; i < before.brick_index.size(); ++i) {
     if (before.brick_index[i] != Region::kConstant) continue;
     if (after.brick_index[i] != Region::kConstant) continue;
     if (same_bits(std::span(&before.constant[i], 1), std::span(&after.constant[i], 1)))
       continue;
     const auto at = static_cast<std::int32_t>(i);
-    const BrickCoord brick{before.min.x + at / 256, before.min.y + at / 16 % 16,
-                           before.min.z + at % 16};
-    if (!std::ranges::binary_search(replaced, brick)) return brick;
+    visit(BrickCoord{before.min.x + at / 256, before.min.y + at / 16 % 16,
+                     before.min.z + at % 16});
   }
-  return std::nullopt;
 }
 
 absl::Status differs(BrickCoord brick) {
@@ -116,12 +125,33 @@ bool alike_but_for_leaves(const Volume& a, const Volume& b) {
 absl::Status check_replaced(const Volume& before,
                             const Volume& after,
                             const std::vector<BrickCoord>& replaced) {
-  if (const auto brick = unlike_values(before, after, replaced)) return differs(*brick);
-  for (std::size_t i = 0; i < before.regions.size(); ++i) {
-    const auto brick = unlike_constant(before.regions[i], after.regions[i], replaced);
-    if (brick) return differs(*brick);
+  auto unlike = unlike_values(before, after, replaced);
+  for (std::size_t i = 0; i < before.regions.size() && !unlike; ++i) {
+    for_each_other_constant(before.regions[i], after.regions[i], [&](BrickCoord brick) {
+      if (!unlike && !std::ranges::binary_search(replaced, brick)) unlike = brick;
+    });
   }
-  return absl::OkStatus();
+  return unlike ? differs(*unlike) : absl::OkStatus();
+}
+
+std::vector<BrickCoord> changed_among(const Volume& before,
+                                      const Volume& after,
+                                      const std::vector<BrickCoord>& replaced) {
+  std::vector<BrickCoord> changed;
+  SortedBricks named(replaced);
+  for_each_stored(before, after, [&](BrickCoord brick, auto i, auto j) {
+    if (!named.have(brick)) return true;
+    const bool same = i && j && same_bits(values_of(before, *i), values_of(after, *j));
+    if (!same) changed.push_back(brick);
+    return true;
+  });
+  for (std::size_t i = 0; i < before.regions.size(); ++i) {
+    for_each_other_constant(before.regions[i], after.regions[i], [&](BrickCoord brick) {
+      if (std::ranges::binary_search(replaced, brick)) changed.push_back(brick);
+    });
+  }
+  sort_unique(changed);
+  return changed;
 }
 
 }  // namespace tet

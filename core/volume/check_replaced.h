@@ -23,4 +23,10 @@ absl::Status check_replaced(const Volume& before,
                             const Volume& after,
                             const std::vector<BrickCoord>& replaced);
 
+/// Those of `replaced` (sorted) whose values differ, of two volumes that are laid out alike.
+/// Takes time in proportion to the named bricks' values, and to the list of all.
+std::vector<BrickCoord> changed_among(const Volume& before,
+                                      const Volume& after,
+                                      const std::vector<BrickCoord>& replaced);
+
 }  // namespace tet

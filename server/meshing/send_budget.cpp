@@ -120,9 +120,9 @@ void SendBudget::leave(const void* who) {
       [&](auto, const State::Asked& asked) { return asked.who == who; });
 }
 
-bool SendBudget::is_tight() const {
+bool SendBudget::is_tight(std::uint64_t idle_bytes) const {
   const std::lock_guard lock(state_->mutex);
-  return state_->used > state_->bytes / 2;
+  return state_->used > state_->bytes / 2 + idle_bytes;
 }
 
 bool SendBudget::kept_waiting_since(Clock::time_point then) const {

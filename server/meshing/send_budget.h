@@ -43,8 +43,9 @@ class SendBudget {
   /// Forgets what `who` has asked for and not been granted.
   void leave(const void* who);
 
-  /// More than half is in use: streams should not make chunks ahead.
-  bool is_tight() const;
+  /// More than half is in use, beside bytes that nobody uses now: streams should not make
+  /// chunks ahead.
+  bool is_tight(std::uint64_t idle_bytes) const;
   /// Somebody who has not even two blocks has waited since before `then`.
   bool kept_waiting_since(Clock::time_point then) const;
   std::uint64_t used_bytes() const;

@@ -6,6 +6,11 @@
 
 namespace tet {
 
+absl::Status check_not_read_back(const ChunkSource& source) {
+  if (!source.plan->improvement()) return absl::OkStatus();
+  return absl::FailedPreconditionError("the mesh is improved");
+}
+
 absl::StatusOr<ChunkMessage> make_shared_chunk(const ChunkSource& source,
                                                std::uint64_t index,
                                                ChunkMemory memory,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
@@ -10,6 +11,11 @@
 #include "server/shared_memory/chunk_ring.h"
 
 namespace tet {
+
+/// Whether a source makes its chunks without reading anything of them to find its way by: a
+/// client that overrules files' rights can write to its own ring. An improved mesh is measured
+/// by the ids in its chunks. Errors: kFailedPrecondition.
+absl::Status check_not_read_back(const ChunkSource& source);
 
 /// Makes chunk `index` of a plain source in its block of the ring, and the message that tells
 /// of it. Nothing is read from the block once this has returned. A chunk that is larger than a

@@ -59,7 +59,7 @@ void KeptMemory::give_up_idle(Clock::time_point now) {
   std::vector<Kept> gone;
   const std::lock_guard lock(mutex_);
   gone = remove_if(
-      [&](const Kept& kept) { return now - kept.since > kIdle || kept.connection.expired(); });
+      [&](const Kept& kept) { return now - kept.since > idle_ || kept.connection.expired(); });
 }
 
 bool KeptMemory::give_up_all() {

@@ -19,12 +19,14 @@ class KeptMemory {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// What nobody has used for so long is given up.
+  /// What nobody has used for so long is given up, unless another time is set.
   static constexpr std::chrono::seconds kIdle{10};
 
   /// Keeps `most_bytes` of all connections together; what has been here longest goes first.
   explicit KeptMemory(std::uint64_t most_bytes) : most_bytes_(most_bytes) {}
 
+  /// To be called before anything is kept.
+  void keep_for(Clock::duration idle) noexcept { idle_ = idle; }
   /// Keeps what the last stream of a connection has used.
   void keep(const std::shared_ptr<SideConnection>& connection,
             std::shared_ptr<RingMemory> memory);
@@ -50,6 +52,7 @@ class KeptMemory {
   std::vector<Kept> remove_if(const Goes& goes);
 
   const std::uint64_t most_bytes_;
+  Clock::duration idle_ = kIdle;
   mutable std::mutex mutex_;
   std::vector<Kept> kept_;  ///< in the order in which it came
   std::uint64_t bytes_ = 0;

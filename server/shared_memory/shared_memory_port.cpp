@@ -118,11 +118,13 @@ void SharedMemoryPort::end_old() {
   std::vector<std::shared_ptr<SideConnection>> old;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [token, waiting] : waiting_) {
-      if (Clock::now() - waiting.since > kPatience) old.push_back(waiting.connection);
-    }
+    std::erase_if(waiting_, [&](const auto& entry) {
+      const bool is_old = Clock::now() - entry.second.since > kPatience;
+      if (is_old) old.push_back(entry.second.connection);
+      return is_old;  // nobody claims it any more
+    });
   }
-  for (const auto& connection : old) forget(connection);
+  for (const auto& connection : old) loop_.forget(connection->socket().number());
 }
 
 SideClaim& SideClaim::operator=(SideClaim&& other) noexcept {

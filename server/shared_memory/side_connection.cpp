@@ -39,9 +39,12 @@ void SideConnection::close() noexcept {
   ::shutdown(socket_.number(), SHUT_RDWR);
 }
 
+/// Without one the connection is over, so that nobody is handed one that is not heeded.
 std::shared_ptr<SideUser> SideConnection::user() {
   const std::lock_guard lock(mutex_);
-  return user_.lock();
+  auto user = user_.lock();
+  over_ = over_ || user == nullptr;
+  return user;
 }
 
 bool SideConnection::is_over() noexcept {
@@ -52,7 +55,7 @@ bool SideConnection::is_over() noexcept {
 bool SideConnection::take() {
   const bool more = take_messages();
   const std::lock_guard lock(mutex_);
-  over_ = !more;
+  over_ = over_ || !more;
   return more;
 }
 

@@ -177,7 +177,7 @@ absl::Status ChunkStream::set_range(std::uint64_t start, std::uint64_t end_chunk
 /// Chunks made ahead: enough of all streams together to keep every thread busy, but two a
 /// stream; and one where blocks are scarce.
 std::uint64_t ChunkStream::window() const {
-  if (engine_.send_budget.is_tight()) return 1;
+  if (engine_.is_tight()) return 1;
   const auto streams = static_cast<std::uint64_t>(engine_.activity.meshes.load());
   return std::clamp<std::uint64_t>(slots_.size() / std::max<std::uint64_t>(streams, 1),
                                    std::min<std::uint64_t>(slots_.size(), 2), slots_.size());

@@ -122,7 +122,7 @@ std::function<absl::Status()> MeshStream::work_for_trailer() {
 absl::Status MeshStream::check_shareable() const {
   const bool plain = stored_ == nullptr && source_.encoding != v1::ENCODING_PACKED &&
                      source_.encoding != v1::ENCODING_COMPACT;
-  return plain ? absl::OkStatus()
+  return plain ? check_not_read_back(source_)
                : absl::FailedPreconditionError("chunks are stored, packed or compact");
 }
 

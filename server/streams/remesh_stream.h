@@ -37,6 +37,7 @@ class RemeshStream final : public ChunkStream {
   void open() override;
   void note_opening() override;
   std::uint64_t chunk_count() const override { return source_.chunk_count(); }
+  absl::Status check_shareable() const override { return check_not_read_back(source_); }
   v1::MeshEvent header() const override;
   absl::StatusOr<ChunkMessage> make(std::uint64_t index, Block block) override;
   v1::MeshEvent trailer(std::uint64_t first,

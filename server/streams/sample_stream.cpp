@@ -221,7 +221,7 @@ void SampleStream::post_pieces() {
 
 /// One piece is made while the one before it is on its way, but where blocks are scarce.
 void SampleStream::post_more() {
-  const std::uint64_t ahead = engine_.send_budget.is_tight() ? 1 : slots_.size();
+  const std::uint64_t ahead = engine_.is_tight() ? 1 : slots_.size();
   while (!ended() && posted_ < std::min(pieces_, next_ + ahead)) {
     const std::uint64_t index = posted_++;
     engine_.send_budget.ask(this, call_.client(), [self = self(), index](const Block& block) {

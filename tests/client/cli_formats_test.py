@@ -60,7 +60,8 @@ class Formats(CommandTest):
     def test_have_the_same_bytes_written_while_the_mesh_is_made_and_afterwards(self):
         """A report needs the whole mesh."""
         for ending in (".vtu", ".vtkhdf", ".msh"):
-            for options in ((), ("--levels", "0"), ("--preset", "both-sides"), ("--faces",)):
+            for options in ((), ("--levels", "0"), ("--preset", "both-sides"), ("--faces",),
+                            ("--grade-surface", "--coarsest", "0.4")):
                 with self.subTest(ending=ending, options=options):
                     self.assert_done(self.mesh("sphere.vdb", ending, *options))
                     content = self.contents(self.out / f"mesh{ending}")

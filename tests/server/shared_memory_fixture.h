@@ -1,6 +1,7 @@
 // A server that shares memory, and a client of it that may do as it likes.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -23,6 +24,12 @@ inline constexpr std::uint64_t kRingBlocks = 7;
 class SharedMemoryTest : public ServiceTest {
  protected:
   SharedMemoryTest() { config_.listen_unix = socket_; }
+
+  /// The server gives no memory up because a test takes its time.
+  void start() {
+    ServiceTest::start();
+    const_cast<MeshEngine&>(engine()).kept_memory.keep_for(std::chrono::hours(1));
+  }
 
   std::unique_ptr<MeshClient> local() const { return MeshClient::connect("unix:" + socket_); }
 

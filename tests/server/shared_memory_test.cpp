@@ -206,7 +206,7 @@ TEST_F(SharedMemoryTest, MessagesThatAreNoneEndAStream) {
   EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::CANCELLED);
 }
 
-TEST_F(SharedMemoryTest, ATokenIsOfOneStreamOnce) {
+TEST_F(SharedMemoryTest, ATokenIsOfOneStreamAtATime) {
   start();
   const v1::StreamMeshRequest request = stream_of(uniform_ball(40));
   WilfulClient first(socket_), second(socket_), stranger(socket_);

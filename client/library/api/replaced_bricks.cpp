@@ -66,7 +66,8 @@ absl::StatusOr<std::optional<std::vector<tet::BrickCoord>>> replaced_bricks(
   }
   tet::sort_unique(replaced);
   if (absl::Status status = tet::check_replaced(was, is, replaced); !status.ok()) return status;
-  return replaced;
+  // Boxes may hold much that is as it was, and all that is named is planned anew.
+  return tet::changed_among(was, is, replaced);
 }
 
 }  // namespace tetstream

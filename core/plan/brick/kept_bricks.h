@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/brick_index.h"
+
 namespace tet {
 
-inline constexpr std::uint32_t kNewBrick = ~std::uint32_t{0};
+inline constexpr std::uint32_t kNewBrick = kNoBrick;
 
 /// Where each brick of a level is in the earlier mesh's level, kNewBrick where it is not.
 using BrickPlaces = std::vector<std::uint32_t>;

@@ -226,7 +226,8 @@ class Surveyor {
       : task_(task),
         survey_(survey),
         room_(static_cast<std::int64_t>(task.space.kept_geometry_bytes)) {
-    if (task.field.at_voxels()) sides_.emplace(task.field);
+    // Beside an earlier survey few bricks are looked at, and the table is of all.
+    if (task.field.at_voxels() && task.earlier == nullptr) sides_.emplace(task.field);
     if (task.earlier == nullptr) return;
     const KeptGeometry& before = task.earlier->survey.geometry;
     shares_ = can_share(before, task.space.kept_geometry_bytes);

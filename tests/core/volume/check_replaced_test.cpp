@@ -47,6 +47,11 @@ TEST(CheckReplaced, FindsNothingWhereAllThatDiffersIsNamed) {
     ASSERT_TRUE(alike_but_for_leaves(ball, changed));
     EXPECT_TRUE(check_replaced(ball, changed, replaced).ok());
     EXPECT_TRUE(check_replaced(changed, ball, replaced).ok());
+    const std::vector<BrickCoord> everything = with_neighbours(ball.bricks);
+    std::vector<BrickCoord> differing = replaced;
+    std::erase(differing, BrickCoord{1, 1, 1});
+    EXPECT_EQ(changed_among(ball, changed, everything), differing);
+    EXPECT_EQ(changed_among(changed, ball, replaced), differing);
     // Each of them is missed: those further apart than a brick by their bounds.
     for (const BrickCoord brick : replaced) {
       if (brick == BrickCoord{1, 1, 1}) continue;

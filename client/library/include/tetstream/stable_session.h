@@ -86,7 +86,9 @@ class TETSTREAM_API StableSession {
   /// greatest sample is another, or that were constant and are no longer, or have another
   /// constant. That nothing else has changed there is the caller's word: of a block far from
   /// all boxes whose samples change between the same bounds, the mesh would stay what it was.
-  /// Errors also: those of `update` of a volume alone.
+  /// Volumes that are laid out differently (their place, background, or constants far from
+  /// everything) are compared in full. Errors also: kInvalidArgument (a box that ends before it
+  /// begins, or lies beyond all samples), those of `update` of a volume alone.
   Status update(const Volume& volume, std::span<const SampleBox> replaced);
 
   /// Tets of the last frame that were made here or sent by the server; the others were kept.
