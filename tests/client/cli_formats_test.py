@@ -61,7 +61,7 @@ class Formats(CommandTest):
         """A report needs the whole mesh."""
         for ending in (".vtu", ".vtkhdf", ".msh"):
             for options in ((), ("--levels", "0"), ("--preset", "both-sides"), ("--faces",),
-                            ("--grade-surface", "--coarsest", "0.4")):
+                            ("--sizing", '{"coarsest": 0.3, "grade_surface": true}')):
                 with self.subTest(ending=ending, options=options):
                     self.assert_done(self.mesh("sphere.vdb", ending, *options))
                     content = self.contents(self.out / f"mesh{ending}")
