@@ -3,6 +3,7 @@
     TETSTREAM_BIN=build/release/bin python3 tests/client/cli_formats_test.py [unittest options]
 """
 
+import filecmp
 import os
 import pathlib
 import re
@@ -45,6 +46,7 @@ class Formats(CommandTest):
                 self.assertGreater(sum(map(len, by_ending)), 1000)
 
     def test_that_take_parts_keep_no_mesh_in_memory(self):
+        # What this process has ever held counts for those that it starts: no test reads large files whole.
         for ending in (".vtu", ".vtkhdf", ".msh"):
             with self.subTest(ending):
                 file = self.out / f"mesh{ending}"
@@ -63,10 +65,11 @@ class Formats(CommandTest):
             for options in ((), ("--levels", "0"), ("--preset", "both-sides"), ("--faces",),
                             ("--sizing", '{"coarsest": 0.3, "grade_surface": true}')):
                 with self.subTest(ending=ending, options=options):
+                    file, before = self.out / f"mesh{ending}", self.out / f"before{ending}"
                     self.assert_done(self.mesh("sphere.vdb", ending, *options))
-                    content = self.contents(self.out / f"mesh{ending}")
+                    file.rename(before)
                     self.assert_done(self.mesh("sphere.vdb", ending, "--report", self.out / "report.json", *options))
-                    self.assertEqual(self.contents(self.out / f"mesh{ending}"), content)
+                    self.assertTrue(filecmp.cmp(file, before, shallow=False))
 
     def contents(self, path):
         """Of the file, or of the files of the folder; removes them."""
