@@ -159,8 +159,8 @@ class MeshClient {
       const std::function<void(std::uint64_t done, std::uint64_t total)>& progress,
       const Cancellation& cancellation);
 
-  /// A mesh that follows its shape, change by change: see remesh_session.h. This client and
-  /// `cancellation` outlive it.
+  /// A mesh that follows its shape, change by change: see remesh_session.h. `cancellation`
+  /// outlives it.
   absl::StatusOr<std::unique_ptr<RemeshSession>> begin_session(const v1::MeshRequest& request,
                                                                const Cancellation& cancellation,
                                                                SessionIds ids = SessionIds{});

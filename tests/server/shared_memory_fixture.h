@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/library/chunk_supply.h"
 #include "core/base/posix/packet_socket.h"
 #include "proto/wire/side_messages.h"
 #include "server/shared_memory/side_connection.h"
@@ -37,6 +38,18 @@ class SharedMemoryTest : public ServiceTest {
     auto mesh = client.stream_mesh(request, {}, never_);
     EXPECT_TRUE(mesh.ok()) << mesh.status();
     return mesh.ok() ? *std::move(mesh) : StreamedMesh{};
+  }
+
+  /// Takes a mesh chunk by chunk; returns how many tets they had, and 0 after a failure.
+  std::uint64_t tets_by_chunks(MeshClient& client, const v1::MeshRequest& request) const {
+    const auto supply = client.stream_chunks(request, {}, never_);
+    for (std::uint64_t tets = 0;;) {
+      const auto chunk = supply->next();
+      EXPECT_TRUE(chunk.ok()) << chunk.status();
+      if (!chunk.ok()) return 0;
+      if (*chunk == nullptr) return tets;
+      tets += (*chunk)->place.tet_count;
+    }
   }
 
   std::int64_t shared_streams() const { return activity().shared_streams.load(); }

@@ -10,7 +10,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/library/chunk_supply.h"
 #include "core/base/posix/socket_file.h"
 #include "server/shared_memory/shared_memory_port.h"
 #include "tests/core/plan/meshing.h"
@@ -71,15 +70,7 @@ TEST_F(SharedMemoryTest, BringsAnyRangeAndPatches) {
   const auto updated = local()->update_mesh(changed, first, {}, never_);
   ASSERT_TRUE(updated.ok()) << updated.status();
   EXPECT_TRUE(same_bytes(whole.mesh, updated->mesh));
-  const auto supply = local()->stream_chunks(request, {}, never_);
-  std::uint64_t tets = 0;
-  for (;;) {
-    const auto chunk = supply->next();
-    ASSERT_TRUE(chunk.ok()) << chunk.status();
-    if (*chunk == nullptr) break;
-    tets += (*chunk)->place.tet_count;
-  }
-  EXPECT_EQ(tets, first.mesh.header.tet_count);
+  EXPECT_EQ(tets_by_chunks(*local(), request), first.mesh.header.tet_count);
 }
 
 TEST_F(SharedMemoryTest, IsOrdinaryWhereItIsNotWantedOrNotOffered) {
@@ -101,6 +92,19 @@ TEST_F(SharedMemoryTest, IsOrdinaryWhereItIsNotWantedOrNotOffered) {
   restart();
   EXPECT_FALSE(std::filesystem::exists(socket_ + kSideSocketEnding));
   EXPECT_FALSE(received(*local(), request).shared_memory);
+  EXPECT_EQ(shared_streams(), 0);
+}
+
+// What is improved is measured by the ids in its chunks, which some clients could change.
+TEST_F(SharedMemoryTest, IsOrdinaryWhereTheMeshIsImproved) {
+  start();
+  v1::MeshRequest request = uniform_ball(12);
+  request.set_improve(true);
+  const StreamedMesh by_port = received(*client_, request);
+  const StreamedMesh by_file = received(*local(), request);
+  ASSERT_TRUE(by_port.improvement.has_value());
+  EXPECT_FALSE(by_file.shared_memory);
+  EXPECT_TRUE(same_bytes(by_port.mesh, by_file.mesh));
   EXPECT_EQ(shared_streams(), 0);
 }
 

@@ -125,7 +125,7 @@ TEST(PatchedTree, GivesAPlanTheMeshThatItHasAlone) {
   for (const int levels : {1, 2, kMaxLevels}) {
     const MeshRequest request = test::with_levels(levels);
     Plan earlier;
-    int frame = 0;
+    int frame = 0, patched = 0;
     for (const auto& volume : random_frames(static_cast<std::uint32_t>(levels), 8)) {
       SCOPED_TRACE(testing::Message() << levels << " levels, frame " << frame++);
       Plan now = plan_of(volume, request, earlier.get());
@@ -133,8 +133,13 @@ TEST(PatchedTree, GivesAPlanTheMeshThatItHasAlone) {
       ASSERT_TRUE(now && alone);
       expect_same_trees(counted(now).mesh.tree(), counted(alone).mesh.tree());
       test::expect_same_plans(*now, *alone);
+      // The largest of one level would need the boxes that a plan has them cover.
+      if (earlier && levels > 1) {
+        patched += patch_between(earlier, alone, {.max_levels = levels});
+      }
       earlier = std::move(now);
     }
+    if (levels > 1) EXPECT_GT(patched, 0) << levels;
   }
 }
 

@@ -128,6 +128,19 @@ TEST(SendBudget, HasIdleMemoryGivenUpBeforeAnybodyGoesWithout) {
   EXPECT_EQ(idle, nullptr);
 }
 
+TEST(SendBudget, IsNotTightForWhatIdles) {
+  SendBudget budget(4 * kBlock, kBlock);
+  Leases a, b;
+  const Departure departure{budget};
+  for (int i = 0; i < 2; ++i) ask(budget, "a", a);
+  EXPECT_FALSE(budget.is_tight(0));
+  ask(budget, "b", b);
+  EXPECT_TRUE(budget.is_tight(0));
+  EXPECT_FALSE(budget.is_tight(kBlock));
+  ask(budget, "b", b);
+  EXPECT_TRUE(budget.is_tight(kBlock));
+}
+
 TEST(SendBudget, KeepsOnlyWhatIsNeeded) {
   SendBudget budget(2 * kBlock, kBlock);
   Leases a;

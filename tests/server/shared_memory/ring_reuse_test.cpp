@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "client/library/chunk_supply.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/shared_memory_fixture.h"
@@ -57,15 +56,7 @@ TEST_F(RingReuse, MeshesAreTheSameBytesOneAfterTheOther) {
     const StreamedMesh shared = received(*client, request);
     EXPECT_TRUE(shared.shared_memory);
     EXPECT_TRUE(same_bytes(by_port.mesh, shared.mesh));
-    const auto supply = client->stream_chunks(request, {}, never_);
-    std::uint64_t tets = 0;
-    for (;;) {
-      const auto chunk = supply->next();
-      ASSERT_TRUE(chunk.ok()) << chunk.status();
-      if (*chunk == nullptr) break;
-      tets += (*chunk)->place.tet_count;
-    }
-    EXPECT_EQ(tets, by_port.mesh.header.tet_count);
+    EXPECT_EQ(tets_by_chunks(*client, request), by_port.mesh.header.tet_count);
   }
   EXPECT_EQ(shared_streams(), static_cast<std::int64_t>(2 * requests.size()));
 }
