@@ -144,8 +144,13 @@ TEST(Certificate, CountsTheRoundingOfPositions) {
 
 bool proven(const std::vector<Problem>& problems) {
   const AngleBounds bounds = angle_bounds(Preset::kDefault, CoordinateType::kFloat64);
-  return bound(problems, Extreme::kLeast).bound_deg >= bounds.min_deg &&
-         bound(problems, Extreme::kGreatest).bound_deg <= bounds.max_deg;
+  Goal goal;
+  goal.max_boxes = 200'000;
+  goal.enough_deg = bounds.min_deg;
+  if (certify(problems, goal).bound_deg < bounds.min_deg) return false;
+  goal.extreme = Extreme::kGreatest;
+  goal.enough_deg = bounds.max_deg;
+  return certify(problems, goal).bound_deg <= bounds.max_deg;
 }
 
 TEST(CertificateFails, WhereNodesMayMoveFarther) {
