@@ -72,10 +72,18 @@ void expect_without_0(const TetMesh& without, const TetMesh& whole) {
   }
 }
 
+/// Whether some cell has nodes of one label alone. Without, meshes of any levels are the same.
+bool may_coarsen(const LabelCase& labels) {
+  const bool is_all_cut = labels.name.find("random") != std::string::npos ||
+                          labels.name.starts_with("checkerboard");
+  return !is_all_cut || labels.name.ends_with("surrounded");
+}
+
 /// Each mesh is made once for all that is said of it.
 TEST(LabelMesh, KeepsItsPromisesOnAnyLabels) {
   for (const LabelCase& labels : test::few_of(cases(1), 4)) {
     for (const int levels : {0, kMaxLevels}) {
+      if (levels == 0 && !may_coarsen(labels)) continue;
       SCOPED_TRACE(labels.name + ", levels " + std::to_string(levels));
       LabelMeshing how{.domain = kBox, .levels = levels, .threads = 1};
       how.labels = labels.labels;
