@@ -34,9 +34,9 @@ GIB = 1 << 30
 WORK = float(os.environ.get("WORK", 6))
 # Who uses nothing for so long has nothing to do, or waits for clients that send nothing.
 REST_SECONDS = 5
-# Who has answered so many calls, as many as a crowd has under way, and has taken no more memory for them, goes on
-# like that: work that is counted, as time says nothing.
-SAME_ANSWERS = 100
+# Who has answered so many calls, three of each that a crowd has under way, and has taken no more memory for them,
+# goes on like that: work that is counted, as time says nothing.
+SAME_ANSWERS = 300
 PAUSE_SECONDS = 0.05  # between looks at a hundred calls, which take the client's processor
 MIB = 1 << 20
 
