@@ -102,7 +102,7 @@ class Fields(CommandTest):
 
 
 class FieldsOnAServer(ServerTest):
-    volumes = {"sphere": 0.1, "fields": 0.1}
+    volumes = {"sphere": 0.1, "fields": 0.15}
 
     def test_are_the_same_bytes_as_in_this_process(self):
         other = ("--field", f"there={self.inputs / 'fields.vdb'}:heat")
@@ -116,7 +116,7 @@ class FieldsOnAServer(ServerTest):
 
 
 class FieldsOfJobs(JobTest):
-    volumes = {"sphere": 0.1, "fields": 0.1}
+    volumes = {"sphere": 0.1, "fields": 0.15}
 
     def test_are_the_same_bytes_as_in_this_process(self):
         other = f"there={self.inputs / 'fields.vdb'}:heat"

@@ -90,7 +90,7 @@ class SeveralGrids(CommandTest):
 
 
 class SeveralGridsOnAServer(ServerTest):
-    volumes = {"parts": 0.1}
+    volumes = {"parts": 0.15}
 
     def test_are_the_same_bytes_as_in_this_process(self):
         for ending, options in ((".vtu", GRIDS), (".msh", ("--all-grids",)),
@@ -103,7 +103,7 @@ class SeveralGridsOnAServer(ServerTest):
 
 
 class SeveralGridsOfJobs(JobTest):
-    volumes = {"parts": 0.1}
+    volumes = {"parts": 0.15}
 
     def test_are_the_same_bytes_as_in_this_process(self):
         manifest = self.out / "manifest"

@@ -21,6 +21,7 @@ def interrupt():
         time.sleep(0.01)
     os.kill(os.getpid(), signal.SIGINT)
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever whoever started this does with it
 client, ball = ts.Client({address!r}, attempts=1), make_ball(40)
 {first}
 threading.Thread(target=interrupt, daemon=True).start()
