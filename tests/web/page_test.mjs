@@ -65,7 +65,7 @@ part("Meshes", () => {
     await until(page, () => /the surface is not closed/.test(document.body.textContent));
     await drop("block.STL", block);
     await until(page, () => /of a surface: 8 vertices, 12 triangles/.test(document.getElementById("info").textContent));
-    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, 1);
     await mesh(page);
     assert.ok((await triangles(page)) > 1000);
     assert.match(await page.inputValue("#command"), /^tetstream mesh block\.STL -o mesh\.vtu --spacing/);
@@ -77,7 +77,7 @@ part("Meshes", () => {
     await page.reload();
     await until(page, () => document.querySelectorAll("#stored option").length > 1);
     await page.selectOption("#scene", "a bored block");
-    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, 1);
     await mesh(page);
     assert.ok((await triangles(page)) > 1000);
   });
@@ -131,6 +131,7 @@ part("Marks", () => {
     const page = await held.browser.open(held.server.url);
     await page.setInputFiles("#file", rough);
     await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, 1);
     await mesh(page);
     assert.match(await page.textContent("#quality"), /non-manifold spots/);
     await until(page, () => Number(document.getElementById("canvas").dataset.marks) > 0);
@@ -357,6 +358,7 @@ part("Refusals", () => {
     await page.keyboard.press("Enter");
     await until(page, () => document.body.dataset.server && !document.getElementById("alert").textContent);
     await chooseBall(page, held);
+    await setSpacing(page, 1);
     await mesh(page);
     await page.click('nav a[href="#server"]');
     await until(page, () => /needs the scope workers\.read/.test(document.getElementById("workers").textContent));
