@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-LAUNCHER = os.environ.get("TETSTREAM_LAUNCHER", "").split()  # of compilers: ccache, or nothing
+LAUNCHER = os.environ.get("COMPILER_LAUNCHER", "").split()  # of compilers: ccache, or nothing
 sys.path.insert(0, str(SOURCE / "tests/server"))
 
 import running_server  # noqa: E402  (its folder is known only now)
