@@ -151,8 +151,8 @@ void SideClaim::end() noexcept {
 
 void SideClaim::give_back() {
   if (connection_ == nullptr) return;
-  using enum SharedMemoryPort::Kind;
-  if (port_->wait_for_claim(connection_, user_, kResting)) connection_ = nullptr;
+  if (port_->wait_for_claim(connection_, user_, SharedMemoryPort::Kind::kResting))
+    connection_ = nullptr;
   end();
 }
 

@@ -142,6 +142,9 @@ TEST_F(ChunksBeside, OneThatFitsIntoNoBlockComesInTheStream) {
   start();
   const std::string values = mesh_of(solid_file("fields", 0.1)).name();
   v1::MeshRequest mesh = mesh_of(solid_file("random-signs", 0.1));
+  mesh.set_preset(v1::PRESET_BOTH_SIDES);
+  mesh.set_faces(true);
+  mesh.set_coordinate_type(v1::COORDINATE_TYPE_FLOAT64);
   mesh.set_levels(0);
   for (int i = 0; i < 16; ++i) {
     v1::Field& field = *mesh.add_fields();
