@@ -17,6 +17,7 @@
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
+#include "core/mesh/row_queue.h"
 #include "core/mesh/splice.h"
 #include "core/mesh/stable_mesh.h"
 #include "core/plan/make/fill_mesh.h"
@@ -74,7 +75,7 @@ Plan plan(const std::shared_ptr<const Volume>& volume,
 /// Seconds of updates, by part; of splicing both ways.
 struct Parts {
   double plan = 0, compare = 0, fill = 0, splice = 0, in_place = 0, whole = 0;
-  double sent_tets = 0;
+  double sent_tets = 0, sent_bytes = 0, runs = 0, renumbered = 0;
 };
 
 /// A mesh as sessions keep it: spliced in the memory of the one before it, and patched in
@@ -84,30 +85,53 @@ struct Meshes {
   Plan plan;
   TetMesh mesh, used;
   StableMesh stable;
+  std::vector<TetMesh> made;  ///< patches
   ScratchPool<MeshWorkspace> workspaces;
 };
 
 /// As a server does, with memory that was used before.
-void fill_patches(const MeshPatch& patch,
-                  ScratchPool<MeshWorkspace>& workspaces,
-                  TetMesh& mesh) {
+void fill_patches(const MeshPatch& patch, const MeshHeader& header, Meshes& meshes) {
+  if (meshes.made.size() < patch.patch_count()) meshes.made.resize(patch.patch_count());
   for_each_range(patch.patch_count(), 1, [&](std::size_t begin, std::size_t end) {
-    const ScratchPool<MeshWorkspace>::Turn workspace(workspaces);
+    const ScratchPool<MeshWorkspace>::Turn workspace(meshes.workspaces);
     for (std::size_t i = begin; i < end; ++i) {
-      patch.fill(i, *workspace, mesh.columns_of(patch.extent(i)));
+      TetMesh& made = meshes.made[i];
+      made = TetMesh(header_of_chunk(header, patch.extent(i)), std::move(made));
+      patch.fill(i, *workspace, made.columns());
     }
   });
 }
 
-/// Brings patches that were made in the order of ids, as a client does that has received them.
+/// Puts patches between the parts that are kept, as a client does that has received them.
+void place_patches(const MeshPatch& patch, const std::vector<TetMesh>& made, TetMesh& mesh) {
+  RowQueue vertices = RowQueue::beside(patch.kept().vertices, mesh.header.vertex_count);
+  RowQueue tets = RowQueue::beside(patch.kept().tets, mesh.header.tet_count);
+  const auto copy = [](const ByteBuffer& from, ByteBuffer& to, std::size_t row_bytes) {
+    return [&from, &to, row_bytes](std::uint64_t row, std::uint64_t at, std::uint64_t count) {
+      std::ranges::copy(from.bytes().subspan(at * row_bytes, count * row_bytes),
+                        to.bytes().begin() + static_cast<std::ptrdiff_t>(row * row_bytes));
+    };
+  };
+  for (std::uint64_t i = 0; i < patch.patch_count(); ++i) {
+    const ChunkExtent extent = patch.extent(i);
+    const std::size_t row = 3 * size_of(mesh.header.coordinate_type);
+    if (!vertices.take(extent.vertex_count, copy(made[i].positions, mesh.positions, row)) ||
+        !tets.take(extent.tet_count,
+                   copy(made[i].tets, mesh.tets, 4 * size_of(mesh.header.index_type)))) {
+      std::abort();
+    }
+  }
+}
+
+/// Does the same where ids do not move.
 void patch_in_place(const MeshPatch& patch,
                     const MeshHeader& header,
-                    const TetMesh& made,
+                    const std::vector<TetMesh>& made,
                     StableMesh& stable) {
   if (!stable.begin(header, &patch.kept()).ok()) std::abort();
   for (std::uint64_t i = 0; i < patch.patch_count(); ++i) {
     const ChunkExtent extent = patch.extent(i);
-    const auto from = const_cast<TetMesh&>(made).columns_of(extent).all();
+    const auto from = const_cast<TetMesh&>(made[i]).columns().all();
     const auto to = stable.place(extent).all();
     for (std::size_t column = 0; column < from.size(); ++column) {
       std::ranges::copy(from[column], to[column].begin());
@@ -122,21 +146,27 @@ void update_once(Meshes& meshes, const std::shared_ptr<const Volume>& volume, Pa
   Plan next = plan(volume, meshes.plan.get(), &meshes.replaced);
   parts.plan += now() - start;
   start = now();
-  const auto patch = MeshPatch::between(as_bricks(meshes.plan), as_bricks(next));
+  const auto patch =
+      MeshPatch::between(as_bricks(meshes.plan), as_bricks(next), PatchDetail::kSlices);
   parts.compare += now() - start;
+  start = now();
+  fill_patches(*patch, next->header(), meshes);
+  parts.fill += now() - start;
   start = now();
   TetMesh updated =
       splice_mesh(meshes.mesh, next->header(), patch->kept(), std::move(meshes.used)).value();
+  place_patches(*patch, meshes.made, updated);
   parts.splice += now() - start;
   start = now();
-  fill_patches(*patch, meshes.workspaces, updated);
-  parts.fill += now() - start;
-  start = now();
-  patch_in_place(*patch, next->header(), updated, meshes.stable);
+  patch_in_place(*patch, next->header(), meshes.made, meshes.stable);
   parts.in_place += now() - start;
+  parts.renumbered += meshes.stable.renumbered() ? 1 : 0;
   for (std::uint64_t i = 0; i < patch->patch_count(); ++i) {
-    parts.sent_tets += static_cast<double>(patch->extent(i).tet_count);
+    const ChunkExtent extent = patch->extent(i);
+    parts.sent_tets += static_cast<double>(extent.tet_count);
+    parts.sent_bytes += static_cast<double>(ChunkSizes(next->header(), extent).total());
   }
+  parts.runs += static_cast<double>(patch->kept().vertices.size() + patch->kept().tets.size());
   meshes.plan = std::move(next);
   meshes.used = std::exchange(meshes.mesh, std::move(updated));
 }
@@ -185,8 +215,13 @@ void remesh(benchmark::State& state, Solid solid, const BenchSize& size) {
     state.counters["whole_ms"] = 1e3 * parts.whole / runs;
     state.counters["spliced"] = (both + parts.splice) / parts.whole;
     state.counters["in_place"] = (both + parts.in_place) / parts.whole;
-    state.counters["sent"] =
-        parts.sent_tets / runs / static_cast<double>(meshes.plan->header().tet_count);
+    const MeshHeader& header = meshes.plan->header();
+    state.counters["sent"] = parts.sent_tets / runs / static_cast<double>(header.tet_count);
+    state.counters["sent_bytes"] =
+        parts.sent_bytes / runs /
+        static_cast<double>(ChunkSizes(header, whole_of(header)).total());
+    state.counters["runs"] = parts.runs / runs;
+    state.counters["renumbered"] = parts.renumbered / runs;
   });
 }
 

@@ -13,6 +13,7 @@
 
 #include "client/library/mesh_client.h"
 #include "client/library/stream_reader.h"
+#include "core/mesh/row_queue.h"
 
 namespace tet {
 
@@ -23,10 +24,8 @@ class MeshInMemory : public ChunkConsumer {
   MeshInMemory(const TetMesh* base, TetMesh used) : base_(base), used_(std::move(used)) {}
 
   absl::Status make_room(const MeshHeader& header, const KeptParts* kept) override;
-  absl::StatusOr<ChunkColumns> place(const ChunkExtent& chunk) override {
-    return mesh_.columns_of(chunk);
-  }
-  absl::Status take(const ChunkExtent& /*chunk*/) override { return absl::OkStatus(); }
+  absl::StatusOr<ChunkColumns> place(const ChunkExtent& chunk) override;
+  absl::Status take(const ChunkExtent& chunk) override;
 
   TetMesh take_mesh() { return std::move(mesh_); }
   TetMesh take_used() { return std::move(used_); }
@@ -34,17 +33,24 @@ class MeshInMemory : public ChunkConsumer {
  private:
   const TetMesh* base_;
   TetMesh used_, mesh_;
+  // Where kept parts are loose: what comes next, and the chunk that is received.
+  RowQueue new_vertices_, new_tets_;
+  TetMesh chunk_;
+  bool loose_ = false;
 };
 
 /// Collects one mesh from as many streams as it takes. Not thread-safe.
 class MeshReceiver {
  public:
   /// `base`, which may be null, is the mesh that the request names as its base; it must outlive
-  /// this. The mesh is made in the memory of `used`, as far as that is enough.
-  explicit MeshReceiver(const TetMesh* base = nullptr, TetMesh used = {})
+  /// this. The mesh is made in the memory of `used`, as far as that is enough. `loose` says
+  /// whether patches may be that: see KeptParts.
+  explicit MeshReceiver(const TetMesh* base = nullptr, TetMesh used = {}, bool loose = false)
       : mesh_(std::make_unique<MeshInMemory>(base, std::move(used))),
         reader_(*mesh_,
-                base == nullptr ? StreamReader::Base::kNone : StreamReader::Base::kNamed) {}
+                base == nullptr ? StreamReader::Base::kNone
+                : loose         ? StreamReader::Base::kFrame
+                                : StreamReader::Base::kNamed) {}
 
   /// See StreamReader.
   void use_shared(SharedChunks& shared) noexcept { reader_.use_shared(shared); }

@@ -53,6 +53,7 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
   v1::RemeshRequest message;
   *message.mutable_start() = request;
   message.set_tell_refusals(true);
+  message.set_loose_patches(true);
   session->shared_->ask(message, session->shared_memory_path_, cancellation);
   if (auto status = session->exchange(message); !status.ok()) return status;
   return session;
@@ -92,7 +93,8 @@ absl::Status RemeshSession::send(const v1::RemeshRequest& message) {
 absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
   if (auto sent = send(message); !sent.ok()) return sent;
   if (stable_) return patch();
-  MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh, std::move(used_));
+  MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh, std::move(used_),
+                        /*loose=*/true);
   if (auto status = receive(receiver); !status.ok()) return status;
   if (!receiver.refusal().ok()) {
     const absl::Status refusal = receiver.refusal();
@@ -110,7 +112,7 @@ absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
 absl::Status RemeshSession::patch() {
   StableChunks chunks(*stable_);
   StreamReader reader(
-      chunks, mesh_.mesh_id.empty() ? StreamReader::Base::kNone : StreamReader::Base::kNamed);
+      chunks, mesh_.mesh_id.empty() ? StreamReader::Base::kNone : StreamReader::Base::kFrame);
   if (auto status = receive(reader); !status.ok()) return status;
   if (!reader.refusal().ok()) return reader.refusal();
   if (reader.compact()) return give_up(bad_stream("compact chunks in a session"));

@@ -49,6 +49,12 @@ bool is_kept(const std::vector<KeptRun>& runs, std::uint64_t begin, std::uint64_
   return true;
 }
 
+std::uint64_t total_of(const std::vector<KeptRun>& runs) {
+  std::uint64_t count = 0;
+  for (const KeptRun& run : runs) count += run.count;
+  return count;
+}
+
 }  // namespace
 
 absl::Status StreamReader::take(grpc::ByteBuffer& event) {
@@ -134,9 +140,16 @@ absl::Status StreamReader::begin(const v1::MeshHeader& header, const MeshHeader&
   if (!is_count(header.kept().patch_count())) return bad_stream("an impossible patch_count");
   absl::StatusOr<KeptParts> kept = from_proto(header.kept());
   if (!kept.ok()) return bad_part("kept parts", kept.status());
+  if (kept->loose && base_ != Base::kFrame) return bad_stream("loose patches for no frame");
   kept_ = *std::move(kept);
   absl::Status status = consumer_->make_room(checked, &kept_);
-  return absl::IsInvalidArgument(status) ? bad_stream(status.ToString()) : status;
+  if (!status.ok()) {
+    return absl::IsInvalidArgument(status) ? bad_stream(status.ToString()) : status;
+  }
+  // Runs fit, as there is room for them.
+  to_come_.vertex_count = checked.vertex_count - total_of(kept_.vertices);
+  to_come_.tet_count = checked.tet_count - total_of(kept_.tets);
+  return absl::OkStatus();
 }
 
 absl::Status StreamReader::take_chunk(const v1::MeshChunk& chunk) {
@@ -167,6 +180,8 @@ absl::Status StreamReader::take_shared(const ChunkNumbers& numbers, std::int64_t
 
 absl::Status StreamReader::take_packed(const ChunkNumbers& numbers,
                                        std::span<const std::byte> bytes) {
+  // Its corners are numbers of the chunk's own vertices.
+  if (kept_.loose) return bad_stream("a packed chunk among loose patches");
   absl::Status status = check_place(numbers);
   if (status.ok()) status = verify_checksum(numbers, add_to_checksum(0, bytes));
   if (!status.ok()) return status;
@@ -206,18 +221,34 @@ absl::Status StreamReader::check_place(const ChunkNumbers& chunk) const {
       !is_count(chunk.face_count)) {
     return bad_stream("a chunk with impossible counts");
   }
-  const bool follows = chunk.index == next_chunk_ && chunk.first_vertex >= next_vertex_ &&
-                       chunk.first_tet >= next_tet_ && chunk.first_face == next_face_ &&
-                       is_kept(kept_.vertices, next_vertex_, chunk.first_vertex) &&
-                       is_kept(kept_.tets, next_tet_, chunk.first_tet);
-  if (!follows || chunk.first_vertex > header().vertex_count ||
-      chunk.first_tet > header().tet_count ||
-      chunk.vertex_count > header().vertex_count - chunk.first_vertex ||
-      chunk.tet_count > header().tet_count - chunk.first_tet ||
+  const std::uint64_t vertices = kept_.loose ? to_come_.vertex_count : header().vertex_count;
+  const std::uint64_t tets = kept_.loose ? to_come_.tet_count : header().tet_count;
+  if (!follows(chunk) || chunk.first_vertex > vertices || chunk.first_tet > tets ||
+      chunk.vertex_count > vertices - chunk.first_vertex ||
+      chunk.tet_count > tets - chunk.first_tet ||
       chunk.face_count > header().face_count - next_face_) {
     return bad_stream(absl::StrCat("chunk ", chunk.index, " is out of place"));
   }
   return absl::OkStatus();
+}
+
+/// Whether a chunk begins where the one before it ended, or what is kept behind that.
+bool StreamReader::follows(const ChunkNumbers& chunk) const {
+  if (chunk.index != next_chunk_ || chunk.first_face != next_face_) return false;
+  if (kept_.loose) return chunk.first_vertex == next_vertex_ && chunk.first_tet == next_tet_;
+  return chunk.first_vertex >= next_vertex_ && chunk.first_tet >= next_tet_ &&
+         is_kept(kept_.vertices, next_vertex_, chunk.first_vertex) &&
+         is_kept(kept_.tets, next_tet_, chunk.first_tet);
+}
+
+/// Whether nothing is missing any more.
+bool StreamReader::is_whole() const {
+  if (next_chunk_ != chunks_ || next_face_ != header().face_count) return false;
+  if (kept_.loose) {
+    return next_vertex_ == to_come_.vertex_count && next_tet_ == to_come_.tet_count;
+  }
+  return is_kept(kept_.vertices, next_vertex_, header().vertex_count) &&
+         is_kept(kept_.tets, next_tet_, header().tet_count);
 }
 
 /// A chunk whose columns were copied counts if they are what the server sent; else the next
@@ -261,9 +292,7 @@ absl::Status StreamReader::take_refusal(const v1::FrameRefusal& refusal) {
 }
 
 absl::Status StreamReader::take_trailer(const v1::MeshTrailer& trailer) {
-  if (!has_header_ || next_chunk_ != chunks_ || next_face_ != header().face_count ||
-      !is_kept(kept_.vertices, next_vertex_, header().vertex_count) ||
-      !is_kept(kept_.tets, next_tet_, header().tet_count)) {
+  if (!has_header_ || !is_whole()) {
     return bad_stream("it ended before the mesh was whole");
   }
   if (auto status = take_statistics(trailer); !status.ok()) return status;

@@ -30,8 +30,9 @@ namespace tet {
 /// for nothing.
 class StreamReader {
  public:
-  /// Whether the header may say that parts of another mesh are kept.
-  enum class Base : bool { kNone, kNamed };
+  /// Whether the header may say that parts of another mesh are kept; of the frame before also
+  /// such that patches are loose (see KeptParts).
+  enum class Base : std::uint8_t { kNone, kNamed, kFrame };
 
   /// `consumer` outlives this, and lies still.
   StreamReader(ChunkConsumer& consumer, Base base) : consumer_(&consumer), base_(base) {}
@@ -83,6 +84,8 @@ class StreamReader {
   absl::Status take_packed(const ChunkNumbers& numbers, std::span<const std::byte> bytes);
   absl::Status take_compact(const ChunkNumbers& numbers, std::span<const std::byte> bytes);
   absl::Status check_place(const ChunkNumbers& chunk) const;
+  bool follows(const ChunkNumbers& chunk) const;
+  bool is_whole() const;
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk, const ColumnBytes& columns);
   absl::Status advance(const ChunkNumbers& chunk,
                        const ChunkColumns& columns,
@@ -99,6 +102,7 @@ class StreamReader {
   Base base_;
   StreamedMesh told_;
   KeptParts kept_;                          ///< of the base
+  ChunkExtent to_come_;                     ///< what chunks have, where kept parts are loose
   std::uint64_t chunks_ = 0;                ///< that come, once there is a header
   std::optional<CompactReceiver> compact_;  ///< where chunks are compact
   std::vector<ChunkExtent> compact_chunks_;

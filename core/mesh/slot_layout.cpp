@@ -52,20 +52,22 @@ SlotChange SlotLayout::follow(std::span<const KeptRun> kept, std::uint64_t count
   join(free_);
   std::ranges::reverse(free_);  // the lowest is taken from the end
 
-  std::vector<SlotRange> changed = given_up;
+  std::vector<SlotRange> filled;
   std::uint64_t next = 0;
   for (const KeptRun& run : kept) {
-    fill(next, run.to, changed);
+    fill(next, run.to, filled);
     before.for_each_run(run.from, run.count,
                         [&](std::uint64_t slot, std::uint64_t offset, std::uint64_t n) {
                           add({run.to + offset, slot, n});
                         });
     next = run.to + run.count;
   }
-  fill(next, count, changed);
+  fill(next, count, filled);
   std::ranges::reverse(free_);
+  std::vector<SlotRange> changed = given_up;
+  changed.insert(changed.end(), filled.begin(), filled.end());
   join(changed);
-  return {std::move(given_up), std::move(changed)};
+  return {std::move(given_up), std::move(changed), std::move(filled)};
 }
 
 /// Gives slots to new ones, while `free_` is in descending order.

@@ -22,11 +22,12 @@ struct SlotRange {
   friend bool operator==(const SlotRange&, const SlotRange&) = default;
 };
 
-/// What becomes of slots from one mesh to the next. Each list is sorted, and its ranges are
-/// apart from each other.
+/// What becomes of slots from one mesh to the next. The first two lists are sorted, and their
+/// ranges are apart from each other.
 struct SlotChange {
   std::vector<SlotRange> given_up;  ///< new ones may be there
   std::vector<SlotRange> changed;   ///< those that were given up, and those that new ones got
+  std::vector<SlotRange> filled;    ///< those that new ones got, in the order of their numbers
 };
 
 /// The slot of every vertex, or every tet, of one mesh, and those that are nobody's. What it is

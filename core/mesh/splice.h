@@ -23,6 +23,9 @@ struct KeptRun {
 /// their new ids. So every part of a mesh is named by its run, and ids shift with the runs.
 struct KeptParts {
   std::vector<KeptRun> vertices, tets;
+  /// Chunks bring what is not kept and nothing else, in the order of numbers, so that there may
+  /// be kept parts within one; they number what is not kept. Else a chunk is a run of the mesh.
+  bool loose = false;
 };
 
 /// Whether parts of a mesh can be kept at all: both are stored alike, about the same origin,

@@ -141,6 +141,7 @@ absl::Status StableMesh::begin(const MeshHeader& header, const KeptParts* kept) 
     tets_ = SlotLayout(header.tet_count);
     renumbered_ = true;
   }
+  loose_ = kept != nullptr && kept->loose;
   header_ = header;
   if (auto status = make_room(kept != nullptr); !status.ok()) {
     vertices_ = tets_ = SlotLayout();
@@ -152,6 +153,8 @@ absl::Status StableMesh::begin(const MeshHeader& header, const KeptParts* kept) 
   clear(vertices.given_up, tets.given_up);
   changed_vertices_ = renumbered_ ? all_of(vertices_) : std::move(vertices.changed);
   changed_tets_ = renumbered_ ? all_of(tets_) : std::move(tets.changed);
+  new_vertices_ = RowQueue(std::move(vertices.filled));
+  new_tets_ = RowQueue(std::move(tets.filled));
   new_ids_ = vertices_.to_slots();
   ids_.emplace(new_ids_, header_.vertex_count);
   return absl::OkStatus();
@@ -228,32 +231,53 @@ void StableMesh::clear(const std::vector<SlotRange>& vertices,
   }
 }
 
+/// Whether chunks lie in memory as they come.
+bool StableMesh::writes_in_order() const noexcept {
+  return !loose_ && lies_in_order(vertices_) && lies_in_order(tets_);
+}
+
 ChunkColumns StableMesh::place(const ChunkExtent& chunk) {
-  if (lies_in_order(vertices_) && lies_in_order(tets_)) return mesh_->columns_of(chunk);
+  if (writes_in_order()) return mesh_->columns_of(chunk);
   chunk_ = TetMesh(header_of_chunk(header_, chunk), std::move(chunk_));
   return chunk_.columns();
 }
 
+/// Copies `count` vertices of the chunk, from `at` on, to their slots.
+void StableMesh::put_vertices(std::uint64_t slot,
+                              std::uint64_t at,
+                              std::uint64_t count) noexcept {
+  copy_rows(chunk_.positions.bytes(), at, mesh_->positions.bytes(), slot, count,
+            3 * size_of(header_.coordinate_type));
+}
+
+/// Does that with tets, whose ids become slots; false where one is beyond the mesh.
+bool StableMesh::put_tets(std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
+  copy_rows(chunk_.regions.bytes(), at, mesh_->regions.bytes(), slot, count,
+            header_.region_bytes());
+  const SlotRun piece{slot, at, count};
+  return header_.index_type == IndexType::kUint32
+             ? move_piece<std::uint32_t>(*ids_, chunk_, piece, *mesh_)
+             : move_piece<std::uint64_t>(*ids_, chunk_, piece, *mesh_);
+}
+
 absl::Status StableMesh::take(const ChunkExtent& chunk) {
-  if (lies_in_order(vertices_) && lies_in_order(tets_)) return absl::OkStatus();
-  const std::size_t vertex_bytes = 3 * size_of(header_.coordinate_type);
-  vertices_.for_each_run(chunk.first_vertex, chunk.vertex_count,
-                         [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
-                           copy_rows(chunk_.positions.bytes(), at, mesh_->positions.bytes(),
-                                     slot, count, vertex_bytes);
-                         });
+  if (writes_in_order()) return absl::OkStatus();
   bool all_there = true;
-  tets_.for_each_run(chunk.first_tet, chunk.tet_count,
-                     [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
-                       copy_rows(chunk_.regions.bytes(), at, mesh_->regions.bytes(), slot,
-                                 count, header_.region_bytes());
-                       const SlotRun piece{slot, at, count};
-                       all_there =
-                           all_there &&
-                           (header_.index_type == IndexType::kUint32
-                                ? move_piece<std::uint32_t>(*ids_, chunk_, piece, *mesh_)
-                                : move_piece<std::uint64_t>(*ids_, chunk_, piece, *mesh_));
-                     });
+  const auto vertices = [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
+    put_vertices(slot, at, count);
+  };
+  const auto tets = [&](std::uint64_t slot, std::uint64_t at, std::uint64_t count) {
+    all_there = put_tets(slot, at, count) && all_there;
+  };
+  if (loose_) {
+    if (!new_vertices_.take(chunk.vertex_count, vertices) ||
+        !new_tets_.take(chunk.tet_count, tets)) {
+      return absl::InvalidArgumentError("a chunk has more than what is new");
+    }
+  } else {
+    vertices_.for_each_run(chunk.first_vertex, chunk.vertex_count, vertices);
+    tets_.for_each_run(chunk.first_tet, chunk.tet_count, tets);
+  }
   if (all_there) return absl::OkStatus();
   return absl::InvalidArgumentError("a tet has a vertex that the mesh has not");
 }

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/mesh/move_ids.h"
+#include "core/mesh/row_queue.h"
 #include "core/mesh/slot_layout.h"
 #include "core/mesh/splice.h"
 #include "core/mesh/tet_mesh.h"
@@ -62,7 +63,8 @@ class StableMesh {
   /// all chunks are apart from each other and final, so that any thread may write its own; else
   /// they are valid until the next call, and wait for `take`.
   ChunkColumns place(const ChunkExtent& chunk);
-  /// The chunk has been written. Errors: kInvalidArgument (an id beyond the mesh).
+  /// The chunk has been written; those of kept parts that are loose in their order. Errors:
+  /// kInvalidArgument (an id beyond the mesh; a loose chunk with more than is new).
   absl::Status take(const ChunkExtent& chunk);
 
  private:
@@ -70,6 +72,9 @@ class StableMesh {
     std::uint64_t vertices = 0, tets = 0;
   };
 
+  bool writes_in_order() const noexcept;
+  void put_vertices(std::uint64_t slot, std::uint64_t at, std::uint64_t count) noexcept;
+  bool put_tets(std::uint64_t slot, std::uint64_t at, std::uint64_t count);
   bool is_worn(const MeshHeader& header) const noexcept;
   absl::Status put_in_order();
   absl::Status make_room(bool keeps);
@@ -85,6 +90,8 @@ class StableMesh {
   std::vector<KeptRun> new_ids_;  ///< of vertices, by their numbers
   std::optional<NewIds> ids_;     ///< refers to those
   TetMesh chunk_;                 ///< one that is being received, where slots are no numbers
+  RowQueue new_vertices_, new_tets_;  ///< slots, where kept parts are loose
+  bool loose_ = false;
   bool renumbered_ = false;
 };
 

@@ -128,6 +128,23 @@ std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcep
   return count_stencil_tets(nodes) + count_others(nodes, fans);
 }
 
+NumberedShape number_shape(const CellNodes& nodes, std::size_t number) noexcept {
+  const ShapeNodes shape(nodes, kTetShape[number]);
+  const BrickMask& pairs = nodes.pairs[number / 4];
+  const std::uint64_t keeps_zeros =
+      nodes.region == MeshRegion::kOutside ? ~std::uint64_t{0} : 0;
+  NumberedShape counted;
+  for (std::size_t x = 0; x < 8; ++x) {
+    const ShapeBits bits = shape.slice(x);
+    const std::uint64_t cut = pairs.slice[x] & bits.cut();
+    counted.whole.slice[x] = pairs.slice[x] & (bits.any_plus | keeps_zeros) & bits.no_minus;
+    counted.cut.slice[x] = cut;
+    counted.in_two.slice[x] = cut & bits.two() & bits.any_zero;
+    counted.in_three.slice[x] = cut & ((bits.two() & ~bits.any_zero) | bits.three());
+  }
+  return counted;
+}
+
 FinestCounts count_finest_and_surface(const CellNodes& nodes,
                                       const FanMasks* fans,
                                       ThreeZeros& three_zeros) noexcept {

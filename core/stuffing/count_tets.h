@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,6 +17,28 @@ namespace tet {
 /// Tets that the stencils and the half pyramids of a finest brick emit in one region. `fans` is
 /// null where there are none.
 std::uint64_t count_finest(const CellNodes& nodes, const FanMasks* fans) noexcept;
+
+/// One shape's tets within a brick, by the cell they belong to, and by how many stand for each.
+struct NumberedShape {
+  BrickMask whole;  ///< one
+  BrickMask cut;    ///< one, but for those of the next two; and a fan's, of six
+  BrickMask in_two, in_three;
+
+  /// How many stand for cut ones of a slice; `fans` are those among them that have one.
+  std::uint64_t count_cut(std::size_t x,
+                          std::uint64_t cells,
+                          std::uint64_t fans) const noexcept {
+    const auto count = [cells](std::uint64_t bits) {
+      return static_cast<std::uint64_t>(std::popcount(cells & bits));
+    };
+    // A fan stands where three would.
+    return count(cut.slice[x]) + count(in_two.slice[x]) + 2 * count(in_three.slice[x]) +
+           3 * count(fans);
+  }
+};
+
+/// `shape` is an index of kTetShape.
+NumberedShape number_shape(const CellNodes& nodes, std::size_t shape) noexcept;
 
 /// Tets of a brick's cells with one `+` and three zeros, by shape.
 using ThreeZeros = std::array<BrickMask, kTetShapes>;

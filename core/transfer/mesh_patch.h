@@ -8,22 +8,27 @@
 #include "core/mesh/splice.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/mesh_difference.h"
+#include "core/plan/brick/new_parts.h"
 
 namespace tet {
 
-/// Kept parts and patches: contiguous runs of the mesh's vertices and tets, which together with
-/// the kept parts are the whole mesh, byte for byte. Immutable: any thread may call any member.
+/// Kept parts and patches: contiguous runs of the mesh's vertices and tets, or of those that
+/// are not kept, which together with the kept parts are the whole mesh, byte for byte.
+/// Immutable: any thread may call any member.
 class MeshPatch {
  public:
   /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Null where no part can
   /// be kept: one of them is null (see as_bricks), or they have other rules, types, spacings or
   /// origins.
   static std::shared_ptr<const MeshPatch> between(
-      const std::shared_ptr<const BrickPlan>& earlier, std::shared_ptr<const BrickPlan> mesh);
+      const std::shared_ptr<const BrickPlan>& earlier,
+      std::shared_ptr<const BrickPlan> mesh,
+      PatchDetail detail = PatchDetail::kBricks);
 
   const KeptParts& kept() const noexcept { return difference_.kept; }
 
   std::uint64_t patch_count() const noexcept { return difference_.changed.size(); }
+  /// A run of the mesh; where kept().loose, of what is not kept.
   ChunkExtent extent(std::uint64_t patch) const noexcept;
   /// Makes one patch; its bytes depend on both volumes, the request and `patch` alone. See
   /// MeshPlan::fill_chunk.
@@ -34,8 +39,12 @@ class MeshPatch {
  private:
   MeshPatch(std::shared_ptr<const BrickPlan> mesh, MeshDifference difference);
 
+  ChunkExtent extent_of(const BrickRange& bricks) const noexcept;
+  std::vector<BrickRange> within_chunk_size() const;
+
   std::shared_ptr<const BrickPlan> mesh_;
   MeshDifference difference_;
+  NewParts new_;  ///< of the difference
 };
 
 }  // namespace tet

@@ -36,9 +36,57 @@ absl::StatusOr<std::vector<KeptRun>> runs_of(const char* field, const RunMessage
   return runs;
 }
 
+using RunNumbers = google::protobuf::RepeatedField<std::uint64_t>;
+constexpr int kNumbersOfRun = 3;
+
+/// Three numbers a run, of which most are small.
+void add_runs(const std::vector<KeptRun>& runs, RunNumbers& numbers) {
+  numbers.Reserve(kNumbersOfRun * static_cast<int>(runs.size()));
+  std::uint64_t from = 0, to = 0;
+  for (const KeptRun& run : runs) {
+    numbers.Add(run.from - from);
+    numbers.Add(run.to - to);
+    numbers.Add(run.count);
+    from = run.from + run.count;
+    to = run.to + run.count;
+  }
+}
+
+absl::StatusOr<std::vector<KeptRun>> runs_of(const char* field, const RunNumbers& numbers) {
+  if (numbers.size() % kNumbersOfRun != 0) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s has %d numbers, which are no runs", field, numbers.size()));
+  }
+  std::vector<KeptRun> runs;
+  runs.reserve(static_cast<std::size_t>(numbers.size() / kNumbersOfRun));
+  std::uint64_t from = 0, to = 0;
+  for (int i = 0; i < numbers.size(); i += kNumbersOfRun) {
+    for (int k = i; k < i + kNumbersOfRun; ++k) {
+      if (is_count(numbers[k])) continue;
+      return absl::InvalidArgumentError(
+          absl::StrFormat("%s[%d] is not from 0 to %d", field, k, kMaxCount));
+    }
+    const KeptRun run{from + numbers[i], to + numbers[i + 1], numbers[i + 2]};
+    from = run.from + run.count;
+    to = run.to + run.count;
+    if (!is_count(from) || !is_count(to)) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("%s[%d] ends a run beyond %d", field, i, kMaxCount));
+    }
+    runs.push_back(run);
+  }
+  return runs;
+}
+
 }  // namespace
 
 void to_proto(const KeptParts& kept, v1::KeptParts& message) {
+  message.set_loose(kept.loose);
+  if (kept.loose) {
+    add_runs(kept.vertices, *message.mutable_vertex_runs());
+    add_runs(kept.tets, *message.mutable_tet_runs());
+    return;
+  }
   add_runs(kept.vertices, *message.mutable_vertices());
   add_runs(kept.tets, *message.mutable_tets());
 }
@@ -53,11 +101,13 @@ void to_proto(const LatticeToWorld& to_world, v1::Lattice& message) {
 }
 
 absl::StatusOr<KeptParts> from_proto(const v1::KeptParts& message) {
-  auto vertices = runs_of("vertices", message.vertices());
+  auto vertices = message.loose() ? runs_of("vertex_runs", message.vertex_runs())
+                                  : runs_of("vertices", message.vertices());
   if (!vertices.ok()) return vertices.status();
-  auto tets = runs_of("tets", message.tets());
+  auto tets = message.loose() ? runs_of("tet_runs", message.tet_runs())
+                              : runs_of("tets", message.tets());
   if (!tets.ok()) return tets.status();
-  return KeptParts{*std::move(vertices), *std::move(tets)};
+  return KeptParts{*std::move(vertices), *std::move(tets), message.loose()};
 }
 
 absl::StatusOr<LatticeToWorld> from_proto(const v1::Lattice& message) {

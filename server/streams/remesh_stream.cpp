@@ -120,6 +120,7 @@ absl::Status RemeshStream::check_order(const v1::RemeshRequest& message) const {
 absl::Status RemeshStream::take_start(const v1::RemeshRequest& message) {
   started_ = true;
   tells_refusals_ = message.tell_refusals();
+  if (message.loose_patches()) detail_ = PatchDetail::kSlices;
   claim_memory(message.shared_memory(), message.shared_memory_events());
   return within_field("start", take_start(message.start()));
 }
@@ -252,7 +253,7 @@ void RemeshStream::planned(absl::StatusOr<PlannedMesh> planned) {
   planned_ = *std::move(planned);
   shown_ = std::exchange(next_, {});
   source_ = {planned_.plan, nullptr};
-  source_.patch = MeshPatch::between(as_bricks(earlier), as_bricks(planned_.plan));
+  source_.patch = MeshPatch::between(as_bricks(earlier), as_bricks(planned_.plan), detail_);
   begin_chunks(absl::OkStatus(), 0, 0);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/plan/brick/kept_bricks.h"
 #include "server/streams/chunk_stream.h"
 #include "server/streams/frame_leaves.h"
 #include "server/streams/grid_charge.h"
@@ -82,6 +83,7 @@ class RemeshStream final : public ChunkStream {
 
   // Whoever has the frame touches these: from the message that was read to its last chunk.
   bool started_ = false, tells_refusals_ = false;
+  PatchDetail detail_ = PatchDetail::kBricks;  ///< kCells for clients who know loose patches
   std::int64_t frames_ = 0;
   std::optional<FrameLeaves> incoming_;  ///< of the frame that is read, if it has any
   absl::Status incoming_status_;         ///< why that frame is refused

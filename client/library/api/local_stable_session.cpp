@@ -71,7 +71,8 @@ class LocalStableFrames final : public FrameMaker<StableFrame> {
                                           cancellation_);
     if (!made.ok()) return made.status();
     const Plan plan = *std::move(made);
-    const auto patch = tet::MeshPatch::between(as_bricks(plan_), as_bricks(plan));
+    const auto patch =
+        tet::MeshPatch::between(as_bricks(plan_), as_bricks(plan), tet::PatchDetail::kSlices);
     half_patched_ = true;
     if (auto status = mesh_.begin(plan->header(), patch ? &patch->kept() : nullptr);
         !status.ok()) {

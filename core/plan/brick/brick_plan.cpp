@@ -1,10 +1,15 @@
 #include "core/plan/brick/brick_plan.h"
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
 #include <utility>
 
 #include "core/base/check.h"
 #include "core/base/heap_bytes.h"
 #include "core/plan/brick/fill_brick.h"
+#include "core/plan/brick/new_parts.h"
 #include "core/plan/creased_plan.h"
 #include "core/plan/fill_watch.h"
 #include "core/plan/improved_plan.h"
@@ -31,6 +36,27 @@ ChunkColumns after(const ChunkColumns& columns, const ChunkSizes& size) noexcept
           .faces = columns.faces.subspan(size.faces),
           .face_tets = columns.face_tets.subspan(size.face_tets),
           .face_labels = columns.face_labels.subspan(size.face_labels)};
+}
+
+/// All vertices of one brick: as many as it can own.
+struct WholeVertices {
+  static constexpr std::size_t kMost = OwnPlaces::kMax;
+  std::array<std::byte, kMost * 3 * sizeof(double)> positions;
+};
+
+/// Copies the rows that are new.
+void copy_new_rows(const NewNumbers& numbers,
+                   const ChunkExtent& whole,
+                   std::span<const std::byte> from,
+                   std::span<std::byte> to,
+                   std::size_t row_bytes) noexcept {
+  numbers.for_each_run(whole.first_vertex, whole.vertex_count,
+                       [&](std::uint64_t at, std::uint64_t count) {
+                         const std::size_t bytes = count * row_bytes;
+                         std::ranges::copy(from.subspan(at * row_bytes, bytes), to.begin());
+                         to = to.subspan(bytes);
+                       });
+  TET_CHECK(to.empty());
 }
 
 }  // namespace
@@ -63,6 +89,38 @@ QualityStats BrickPlan::fill_bricks(const BrickRange& range,
     const ChunkExtent extent = bricks({brick, brick + 1});
     const ChunkSizes size(header(), extent);
     filler.fill(brick, first_of(columns, size));
+    columns = after(columns, size);
+  }
+  TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());
+  return filler.stats();
+}
+
+QualityStats BrickPlan::fill_new(const BrickRange& range,
+                                 const NewParts& parts,
+                                 MeshWorkspace& workspace,
+                                 ChunkColumns columns) const noexcept {
+  BrickFiller filler(mesh_, field(), header(), to_world(), statistics(),
+                     workspace.get<BrickScratch>());
+  const FillWatch& watch = workspace.get<FillWatch>();
+  filler.stop_when(watch.cancellation());
+  auto& scratch = workspace.get<WholeVertices>();
+  for (std::size_t brick = range.begin; brick < range.end; ++brick) {
+    if (watch.stops()) return {};
+    const ChunkExtent whole = bricks({brick, brick + 1});
+    const ChunkExtent extent = parts.within(whole);
+    if (extent.vertex_count == 0 && extent.tet_count == 0) continue;
+    const ChunkSizes size(header(), extent);
+    ChunkColumns own = first_of(columns, size);
+    const std::span<std::byte> positions = own.positions;
+    const bool has_all = extent.vertex_count == whole.vertex_count;
+    if (!has_all) {
+      own.positions = std::span(scratch.positions).first(ChunkSizes(header(), whole).positions);
+    }
+    filler.fill(brick, own, parts.cells(brick));
+    if (!has_all) {
+      copy_new_rows(parts.vertices(), whole, own.positions, positions,
+                    3 * size_of(header().coordinate_type));
+    }
     columns = after(columns, size);
   }
   TET_CHECK(columns.positions.empty() && columns.tets.empty() && columns.regions.empty());

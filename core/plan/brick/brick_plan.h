@@ -11,6 +11,8 @@
 
 namespace tet {
 
+class NewParts;
+
 class BrickPlan final : public LatticePlan {
  public:
   /// Takes the chunks from cut_into_chunks, and the header that it filled in.
@@ -29,6 +31,11 @@ class BrickPlan final : public LatticePlan {
   QualityStats fill_bricks(const BrickRange& range,
                            MeshWorkspace& workspace,
                            ChunkColumns columns) const noexcept;
+  /// Fills only what is new; columns have the size of NewParts::within.
+  QualityStats fill_new(const BrickRange& range,
+                        const NewParts& parts,
+                        MeshWorkspace& workspace,
+                        ChunkColumns columns) const noexcept;
 
   ChunkExtent chunk(std::uint64_t index) const noexcept override;
   QualityStats fill_chunk(std::uint64_t index,

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/base/brick_box.h"
 #include "core/base/brick_index.h"
@@ -12,37 +12,29 @@
 namespace tet {
 namespace {
 
-/// Cells of a level, both ends included.
-struct CellRange {
-  VoxelCoord min, max;
+/// Which of a brick's nodes, or cells, a cell reads along an axis: cell i, kStep times as large
+/// as those of the brick, reads kStep * i - kBack to kStep * i. Cell 0 is the one below the
+/// brick.
+template <int kStep, int kBack>
+struct Reads {
+  static constexpr int kCells = (7 + kBack) / kStep + 1;  ///< that read any
+  static constexpr int first(int cell) noexcept { return std::max(0, kStep * cell - kBack); }
+  static constexpr int last(int cell) noexcept { return std::min(7, kStep * cell); }
 };
 
-/// Cells of an 8 x 8 x 8 brick that a range has; some.
-BrickMask cells_within(const CellRange& range, BrickCoord brick) noexcept {
-  const auto low = [](std::int32_t min, std::int32_t b) { return std::max(min - 8 * b, 0); };
-  const auto high = [](std::int32_t max, std::int32_t b) { return std::min(max - 8 * b, 7); };
-  const auto bits = [](std::int32_t from, std::int32_t to) {
-    return (0xffU >> (7 - (to - from))) << from;
-  };
-  std::uint64_t slice = 0;
-  const std::uint64_t row = bits(low(range.min.z, brick.z), high(range.max.z, brick.z));
-  for (int y = low(range.min.y, brick.y); y <= high(range.max.y, brick.y); ++y) {
-    slice |= row << (8 * y);
-  }
-  BrickMask mask;
-  for (int x = low(range.min.x, brick.x); x <= high(range.max.x, brick.x); ++x) {
-    mask.slice[static_cast<std::size_t>(x)] = slice;
-  }
-  return mask;
-}
-
-/// For each byte, bit i says whether one of its bits i * kStep - kStep to i * kStep is set.
+/// The closed cubes of cells, by nodes.
 template <int kStep>
+using ReadsNodes = Reads<kStep, kStep>;
+/// All cells at most one away.
+using ReadsCells = Reads<1, 2>;
+
+/// For each byte, bit i says whether one of the bits that cell i reads is set.
+template <class Read>
 constexpr std::array<std::uint16_t, 256> kRowReaders = [] {
   std::array<std::uint16_t, 256> readers{};
   for (unsigned row = 0; row < 256; ++row) {
-    for (int i = 0; i <= 8 / kStep; ++i) {
-      for (int bit = std::max(0, kStep * (i - 1)); bit <= std::min(7, kStep * i); ++bit) {
+    for (int i = 0; i < Read::kCells; ++i) {
+      for (int bit = Read::first(i); bit <= Read::last(i); ++bit) {
         if ((row >> bit & 1) != 0) readers[row] |= static_cast<std::uint16_t>(1U << i);
       }
     }
@@ -50,25 +42,22 @@ constexpr std::array<std::uint16_t, 256> kRowReaders = [] {
   return readers;
 }();
 
-/// The cells, kStep times as large as a brick's own, that have one of its nodes in their closed
-/// cubes. Cell (0, 0, 0) here is the one below the brick along every axis.
-template <int kStep>
-class NodeReaders {
+/// The cells that read some of a brick's nodes, or cells.
+template <class Read>
+class Readers {
  public:
-  static constexpr int kEdge = 8 / kStep + 1;
+  static constexpr int kEdge = Read::kCells;
 
-  explicit NodeReaders(const BrickMask& nodes) noexcept {
+  explicit Readers(const BrickMask& nodes) noexcept {
     for (int x = 0; x < kEdge; ++x) {
       std::uint64_t slice = 0;
-      for (int n = std::max(0, kStep * (x - 1)); n <= std::min(7, kStep * x); ++n) {
+      for (int n = Read::first(x); n <= Read::last(x); ++n) {
         slice |= nodes.slice[static_cast<std::size_t>(n)];
       }
       for (int y = 0; y < kEdge; ++y) {
         std::uint64_t row = 0;
-        for (int n = std::max(0, kStep * (y - 1)); n <= std::min(7, kStep * y); ++n) {
-          row |= slice >> (8 * n);
-        }
-        rows_[place(x, y)] = kRowReaders<kStep>[row & 0xff];
+        for (int n = Read::first(y); n <= Read::last(y); ++n) row |= slice >> (8 * n);
+        rows_[place(x, y)] = kRowReaders<Read>[row & 0xff];
       }
     }
   }
@@ -94,87 +83,72 @@ class NodeReaders {
   std::array<std::uint16_t, std::size_t{kEdge} * kEdge> rows_;
 };
 
-/// All cells at most one away from some of these, which are not none.
-CellRange around(const BrickMask& cells, BrickCoord brick) noexcept {
-  std::uint64_t all = 0;
-  std::int32_t first = 8, last = -1;
-  for (std::int32_t x = 0; x < 8; ++x) {
-    const std::uint64_t slice = cells.slice[static_cast<std::size_t>(x)];
-    all |= slice;
-    if (slice == 0) continue;
-    first = std::min(first, x);
-    last = x;
-  }
-  std::uint64_t row = 0;
-  for (int y = 0; y < 8; ++y) row |= all >> (8 * y) & 0xff;
-  const auto low_y = static_cast<std::int32_t>(std::countr_zero(all) / 8);
-  const auto high_y = static_cast<std::int32_t>((63 - std::countl_zero(all)) / 8);
-  const auto low_z = static_cast<std::int32_t>(std::countr_zero(row));
-  const auto high_z = static_cast<std::int32_t>(63 - std::countl_zero(row));
-  return {{8 * brick.x + first - 1, 8 * brick.y + low_y - 1, 8 * brick.z + low_z - 1},
-          {8 * brick.x + last + 1, 8 * brick.y + high_y + 1, 8 * brick.z + high_z + 1}};
-}
-
 class Marker {
  public:
-  Marker(const OctreeLevel& level, std::vector<std::uint32_t>& tets)
-      : level_(level), tets_(tets) {}
+  Marker(const OctreeLevel& level, BrickPlaces& tets, ReadCells* read)
+      : level_(level), tets_(tets), read_(read) {}
 
-  /// Marks the bricks that have a leaf among these cells.
-  void mark(const CellRange& cells) {
-    const BrickBox bricks{{cells.min.x >> 3, cells.min.y >> 3, cells.min.z >> 3},
-                          {cells.max.x >> 3, cells.max.y >> 3, cells.max.z >> 3}};
-    mark(bricks, [&](BrickCoord brick) { return cells_within(cells, brick); });
-  }
-
-  /// Marks the bricks with a leaf that has one of these nodes, of a brick whose cells are a
+  /// Marks the bricks with a leaf that reads some of these, of a brick whose cells are a
   /// kStep-th as large.
-  template <int kStep>
-  void mark_readers_of(const BrickMask& nodes, BrickCoord of) {
-    if (!nodes.any()) return;
-    const NodeReaders<kStep> readers(nodes);
+  template <class Read, int kStep>
+  void mark(const BrickMask& changed, BrickCoord of) {
+    if (!changed.any()) return;
+    const Readers<Read> readers(changed);
     const VoxelCoord first{8 / kStep * of.x - 1, 8 / kStep * of.y - 1, 8 / kStep * of.z - 1};
-    const auto last = [](std::int32_t c) { return (c + NodeReaders<kStep>::kEdge - 1) >> 3; };
-    mark({{first.x >> 3, first.y >> 3, first.z >> 3},
-          {last(first.x), last(first.y), last(first.z)}},
-         [&](BrickCoord brick) {
-           return readers.within(first.x - 8 * brick.x, first.y - 8 * brick.y,
-                                 first.z - 8 * brick.z);
-         });
-  }
-
- private:
-  template <class CellsOf>
-  void mark(const BrickBox& bricks, const CellsOf& cells_of) {
+    const auto last = [](std::int32_t c) { return (c + Readers<Read>::kEdge - 1) >> 3; };
+    const BrickBox bricks{{first.x >> 3, first.y >> 3, first.z >> 3},
+                          {last(first.x), last(first.y), last(first.z)}};
     for_each_brick(bricks, [&](BrickCoord brick) {
       const std::uint32_t at = level_.index.find(brick);
-      if (at == kNoBrick || tets_[at] == kNewBrick) return;
-      if ((level_.leaf[at] & cells_of(brick)).any()) tets_[at] = kNewBrick;
+      if (at == kNoBrick || is_marked(at)) return;
+      const BrickMask cells =
+          level_.leaf[at] &
+          readers.within(first.x - 8 * brick.x, first.y - 8 * brick.y, first.z - 8 * brick.z);
+      if (!cells.any()) return;
+      tets_[at] = kNewBrick;
+      if (read_ != nullptr) read_->add(at, cells);
     });
   }
 
+ private:
+  /// Whether there is nothing more to find of a brick.
+  bool is_marked(std::uint32_t at) const noexcept {
+    if (tets_[at] != kNewBrick) return false;
+    return read_ == nullptr || !(level_.leaf[at] & ~read_->of(at)).any();
+  }
+
   const OctreeLevel& level_;
-  std::vector<std::uint32_t>& tets_;
+  BrickPlaces& tets_;
+  ReadCells* read_;
 };
 
 }  // namespace
 
+void ReadCells::add(std::uint32_t brick, const BrickMask& more) {
+  if (place_[brick] == kNewBrick) {
+    place_[brick] = static_cast<std::uint32_t>(cells_.size());
+    cells_.emplace_back();
+  }
+  cells_[place_[brick]] |= more;
+}
+
 void mark_readers(std::span<const std::vector<ChangedBrick>> changed,
                   const OctreeLevel& level,
-                  std::vector<std::uint32_t>& tets) {
-  Marker marker(level, tets);
+                  BrickPlaces& tets,
+                  ReadCells* read) {
+  Marker marker(level, tets, read);
   const std::size_t own = changed.size() - 1;
   for (const ChangedBrick& brick : changed[own]) {
-    marker.mark_readers_of<1>(brick.nodes, brick.brick);
-    if (brick.cells.any()) marker.mark(around(brick.cells, brick.brick));
+    marker.mark<ReadsNodes<1>, 1>(brick.nodes, brick.brick);
+    marker.mark<ReadsCells, 1>(brick.cells, brick.brick);
   }
   if (own < 1) return;
   for (const ChangedBrick& brick : changed[own - 1]) {
-    marker.mark_readers_of<2>(brick.corners, brick.brick);
+    marker.mark<ReadsNodes<2>, 2>(brick.corners, brick.brick);
   }
   if (own < 2) return;
   for (const ChangedBrick& brick : changed[own - 2]) {
-    marker.mark_readers_of<4>(brick.corners, brick.brick);
+    marker.mark<ReadsNodes<4>, 4>(brick.corners, brick.brick);
   }
 }
 

@@ -1,13 +1,13 @@
 // Which bricks' tets read a cell or a vertex that changed.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
 #include "core/octree/octree.h"
+#include "core/plan/brick/kept_bricks.h"
 
 namespace tet {
 
@@ -19,7 +19,8 @@ struct ChangedBrick {
   BrickMask nodes;    ///< corners and centres that are, or were, or have cut points that were
 };
 
-/// Marks in `tets`, one a brick of a level, those whose tets may be others as kNewBrick.
+/// Marks in `tets`, one a brick of a level, those whose tets may be others as kNewBrick; and in
+/// `read`, which may be null and has the level's bricks, their leaves that have such tets.
 ///
 /// `changed` has the changed bricks of all levels up to this one, which is `level`, finest
 /// first. A tet of a leaf has corners of the leaf's closed cell, and centres of the leaf and of
@@ -28,6 +29,7 @@ struct ChangedBrick {
 /// is read.
 void mark_readers(std::span<const std::vector<ChangedBrick>> changed,
                   const OctreeLevel& level,
-                  std::vector<std::uint32_t>& tets);
+                  BrickPlaces& tets,
+                  ReadCells* read = nullptr);
 
 }  // namespace tet

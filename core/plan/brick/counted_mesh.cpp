@@ -187,7 +187,7 @@ std::uint64_t CountedMesh::bytes() const noexcept {
     bytes += nodes.bytes();
   }
   for (const KeptBricks& kept : kept_) {
-    bytes += all_heap_bytes(kept.vertices, kept.tets, kept.nodes);
+    bytes += all_heap_bytes(kept.vertices, kept.tets, kept.nodes) + kept.read.bytes();
   }
   return bytes;
 }

@@ -110,6 +110,8 @@ class CountedMesh {
   BrickNeighbourhood neighbourhood(std::size_t brick) const noexcept;
   /// The vertices of these bricks; `geometry` is null where it was not kept.
   VerticesAround vertices_around(std::size_t brick) const noexcept;
+  /// Those of one finest brick.
+  OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   /// Answers the same for a finest brick whose neighbours are known.
   VerticesAround vertices_around(const PlacesAround& places) const noexcept;
   /// What the survey kept of a finest brick: see MeshStructure::stuffed.
@@ -127,7 +129,6 @@ class CountedMesh {
 
  private:
   const StuffedBrick* stuffed_at(std::uint32_t place) const noexcept;
-  OwnedVertices vertices_of_finest(std::size_t brick) const noexcept;
   void find_stuffed(const PhiField& field, const Cancellation& cancellation);
   /// `earlier` may be null; `unchanged` has the places there of the bricks that own the same.
   void find_vertices(const CountedMesh* earlier,

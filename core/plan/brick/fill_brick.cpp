@@ -5,6 +5,7 @@
 
 #include "core/base/check.h"
 #include "core/base/vec3.h"
+#include "core/plan/brick/kept_tets.h"
 
 namespace tet {
 
@@ -27,7 +28,9 @@ void BrickFiller::stop_when(const Cancellation& cancellation) noexcept {
   labeller_.stop_when(cancellation);
 }
 
-void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept {
+void BrickFiller::fill(std::size_t brick,
+                       const ChunkColumns& columns,
+                       const BrickMask* cells) noexcept {
   if (filled_++ % kBricksPerRun == 0 && filled_ > 1) {
     runs_.add(stats_of_run());
     meter_ = {};
@@ -60,10 +63,10 @@ void BrickFiller::fill(std::size_t brick, const ChunkColumns& columns) noexcept 
   }
   const std::uint64_t first_tet = mesh_.first_tet(brick);
   if (header_.index_type == IndexType::kUint32) {
-    fill_tets<std::uint32_t>(place, places, columns);
+    fill_tets<std::uint32_t>(place, places, cells, columns);
     write_faces<std::uint32_t>(first_tet, columns);
   } else {
-    fill_tets<std::uint64_t>(place, places, columns);
+    fill_tets<std::uint64_t>(place, places, cells, columns);
     write_faces<std::uint64_t>(first_tet, columns);
   }
 }
@@ -112,12 +115,14 @@ void BrickFiller::find_geometry(std::size_t brick) noexcept {
 template <class Index>
 void BrickFiller::fill_tets(BrickPlace place,
                             const PlacesAround& places,
+                            const BrickMask* cells,
                             const ChunkColumns& columns) noexcept {
   auto* const begin = reinterpret_cast<Index*>(columns.tets.data());
   Index* end = begin;
   const Index* const limit = begin + columns.tets.size() / sizeof(Index);
   std::span<std::byte> labels = columns.regions;
   if (place.level == 0) nodes_ = nodes_of(places);
+  if (cells != nullptr) leave_tets_of(*cells, nodes_);
   for (const MeshRegion region : mesh_.regions()) {
     Index* const first = end;
     const auto before = static_cast<std::size_t>(first - begin) / 4;

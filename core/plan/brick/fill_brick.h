@@ -64,8 +64,11 @@ class BrickFiller {
   /// filled must not be read, once a look found it cancelled.
   void stop_when(const Cancellation& cancellation) noexcept;
 
-  /// Columns have exactly the brick's size.
-  void fill(std::size_t brick, const ChunkColumns& columns) noexcept;
+  /// Columns have exactly the brick's size. Where `cells` are not null only their tets are
+  /// written, and columns of tets have those alone; the mesh then has no faces.
+  void fill(std::size_t brick,
+            const ChunkColumns& columns,
+            const BrickMask* cells = nullptr) noexcept;
 
   /// Statistics of all bricks filled so far, in world units; empty where they are skipped.
   QualityStats stats() const noexcept;
@@ -74,6 +77,7 @@ class BrickFiller {
   template <class Index>
   void fill_tets(BrickPlace place,
                  const PlacesAround& places,
+                 const BrickMask* cells,
                  const ChunkColumns& columns) noexcept;
   template <class Index>
   void write_faces(std::uint64_t first_tet, const ChunkColumns& columns) noexcept;

@@ -3,49 +3,22 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
-#include <memory>
 #include <span>
 #include <utility>
 
 #include "core/base/parallel.h"
 #include "core/plan/brick/changed_reach.h"
+#include "core/plan/brick/found_geometry.h"
+#include "core/plan/brick/kept_of_bricks.h"
+#include "core/plan/brick/kept_runs.h"
 #include "core/plan/brick/survey.h"
 #include "core/plan/brick/unchanged_bricks.h"
-#include "core/stuffing/brick_geometry.h"
+#include "core/plan/brick/vertex_comparison.h"
 
 namespace tet {
 namespace {
 
 constexpr std::size_t kComparedPerRange = 64;
-
-/// Packed geometry of one brick after another, found again where it was not kept.
-class Geometry {
- public:
-  explicit Geometry(const ComparedMesh& of)
-      : of_(of), sampler_(of.field), workspace_(nullptr) {}
-
-  std::span<const std::byte> of_brick(std::size_t brick) {
-    const Survey& survey = of_.mesh.survey();
-    const std::uint32_t at = of_.mesh.stuffed(brick);
-    const StuffedBrick& stuffed = survey.stuffed[at];
-    const std::size_t size = GeometrySizes(stuffed).bytes();
-    if (const std::byte* kept = survey.geometry.of_brick[at]) return {kept, size};
-    if (workspace_ == nullptr) {
-      workspace_ = std::make_unique_for_overwrite<StuffingWorkspace>();
-      packed_.resize(kMaxGeometryBytes);
-    }
-    stuff_brick(sampler_, of_.mesh.tree().levels[0].bricks[brick], of_.mesh.rules(),
-                of_.mesh.restored(), *workspace_);
-    pack_geometry(workspace_->lattice, stuffed, packed_.data());
-    return {packed_.data(), size};
-  }
-
- private:
-  const ComparedMesh& of_;
-  PhiSampler sampler_;
-  std::unique_ptr<StuffingWorkspace> workspace_;
-  std::vector<std::byte> packed_;
-};
 
 bool same_signs(const StuffedBrick& a, const StuffedBrick& b) {
   return a.plus == b.plus && a.zero == b.zero && a.cut == b.cut;
@@ -90,7 +63,7 @@ class LevelComparison {
   int level_;
   const ComparedMesh& earlier_;
   const ComparedMesh& now_;
-  Geometry geometry_before_, geometry_;
+  FoundGeometry geometry_before_, geometry_;
 };
 
 /// Cells that a level divides otherwise than it did; a level without the brick has nothing
@@ -113,42 +86,10 @@ BrickMask changed_cells(const OctreeLevel* before,
   return cells;
 }
 
-/// What a brick owns.
-struct OwnedNodes {
-  BrickMask corner, centre, cut;
-  /// kAllInside or kAllOutside; else they are moved, or cut, and have places of their own.
-  std::uint32_t side = kAllInside;
-
-  bool keeps_places(const OwnedNodes& now) const noexcept {
-    return side == now.side && side >= kAllInside;
-  }
+/// A brick of one level or of both, by its places there.
+struct OtherBrick {
+  std::size_t before = kNewBrick, now = kNewBrick;
 };
-
-OwnedNodes nodes_of(const CountedMesh& mesh, int level, std::size_t brick) {
-  const LevelNodes& nodes = mesh.nodes(level);
-  OwnedNodes owned{nodes.corner[brick], nodes.centre[brick], {}};
-  if (level > 0) return owned;
-  owned.side = mesh.stuffed(brick);
-  if (owned.side >= kAllInside) return owned;
-  for (const BrickMask& cut : mesh.survey().stuffed[mesh.stuffed(brick)].cut) owned.cut |= cut;
-  return owned;
-}
-
-BrickMask either(const BrickMask& a, const BrickMask& b) { return (a | b) & ~(a & b); }
-
-/// A brick that is not as it was, from what it owned and owns now. Nodes in their lattice
-/// places are kept where they were there before: only the others are changed.
-ChangedBrick changed_brick(BrickCoord brick,
-                           const BrickMask& cells,
-                           const OwnedNodes& before,
-                           const OwnedNodes& now) {
-  const BrickMask corners = either(before.corner, now.corner);
-  if (before.keeps_places(now)) {
-    return {brick, cells, corners, corners | either(before.centre, now.centre)};
-  }
-  return {brick, cells, before.corner | now.corner,
-          before.corner | now.corner | before.centre | now.centre | before.cut | now.cut};
-}
 
 /// Finds the number of each brick in the earlier level where the brick is as it was, else
 /// kNewBrick; `same` has some of them, or is empty. `changed` gets the bricks that only one
@@ -183,63 +124,48 @@ BrickPlaces find_same(const ComparedMesh& earlier,
     }
   });
   std::size_t at = 0;
+  std::vector<OtherBrick> others;
   const auto vanish_below = [&](const BrickCoord* brick) {
     for (; at < before.size() && (brick == nullptr || before[at] < *brick); ++at) {
-      changed.push_back(changed_brick(before[at], changed_cells(level_before, at, nullptr, 0),
-                                      nodes_of(earlier.mesh, level, at), {}));
+      others.push_back({at, kNewBrick});
     }
   };
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     vanish_below(&bricks[i]);
     const bool was_there = at < before.size() && before[at] == bricks[i];
     if (same[i] == kNewBrick) {
-      const OctreeLevel* const then = was_there ? level_before : nullptr;
-      const OwnedNodes had = was_there ? nodes_of(earlier.mesh, level, at) : OwnedNodes{};
-      changed.push_back(changed_brick(bricks[i], changed_cells(then, at, &level_now, i), had,
-                                      nodes_of(now.mesh, level, i)));
+      others.push_back({was_there ? at : kNewBrick, i});
       if (was_there) partly_same[i] = static_cast<std::uint32_t>(at);
     }
     at += was_there;
   }
   vanish_below(nullptr);
+  changed.resize(others.size());
+  for_each_range(others.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
+    VertexComparison comparison(earlier, now, level);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto [then, here] = others[i];
+      comparison.look_at(then, here);
+      const BrickMask cells = changed_cells(then == kNewBrick ? nullptr : level_before, then,
+                                            here == kNewBrick ? nullptr : &level_now, here);
+      changed[i] = comparison.changed(here == kNewBrick ? before[then] : bricks[here], cells);
+    }
+  });
   return same;
 }
 
-void add_run(std::vector<KeptRun>& runs, const KeptRun& run) {
-  if (run.count == 0) return;
-  if (!runs.empty()) {
-    KeptRun& last = runs.back();
-    if (last.from + last.count == run.from && last.to + last.count == run.to) {
-      last.count += run.count;
-      return;
+/// Middles of surface quads lie between cut points of other bricks, too.
+void leave_out_moved_quads(const CountedMesh& mesh, KeptBricks& kept) {
+  if (mesh.survey().fans.empty()) return;
+  for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
+    if (kept.vertices[i] == kNewBrick || kept.tets[i] != kNewBrick) continue;
+    const FanMasks* const fans = mesh.vertices_of_finest(i).fans;
+    const BrickMask read = kept.read.of(i);
+    if (fans == nullptr ||
+        std::ranges::none_of(*fans, [&](const BrickMask& fan) { return (fan & read).any(); })) {
+      continue;
     }
-  }
-  runs.push_back(run);
-}
-
-/// Adds the nodes that a brick has as it had them, where neither is at the surface.
-void add_nodes(const ComparedMesh& earlier,
-               const ComparedMesh& now,
-               int level,
-               std::size_t before,
-               std::size_t brick,
-               std::vector<KeptRun>& runs) {
-  const OwnedNodes had = nodes_of(earlier.mesh, level, before);
-  const OwnedNodes has = nodes_of(now.mesh, level, brick);
-  if (!had.keeps_places(has)) return;
-  std::uint64_t from = earlier.mesh.first_vertex(earlier.mesh.first_brick(level) + before);
-  std::uint64_t to = now.mesh.first_vertex(now.mesh.first_brick(level) + brick);
-  for (const auto& [a, b] :
-       {std::pair(had.corner, has.corner), std::pair(had.centre, has.centre)}) {
-    for (std::size_t x = 0; x < a.slice.size(); ++x) {
-      for (std::uint64_t rest = a.slice[x] | b.slice[x]; rest != 0; rest &= rest - 1) {
-        const bool was = (a.slice[x] & rest & (~rest + 1)) != 0;
-        const bool is = (b.slice[x] & rest & (~rest + 1)) != 0;
-        if (was && is) add_run(runs, {from, to, 1});
-        from += was;
-        to += is;
-      }
-    }
+    kept.nodes[i] = std::exchange(kept.vertices[i], kNewBrick);
   }
 }
 
@@ -248,17 +174,20 @@ void add_level(const ComparedMesh& earlier,
                const ComparedMesh& now,
                int level,
                const KeptBricks& kept,
+               const std::vector<KeptOfBrick>& parts,
                MeshDifference& difference) {
   const std::size_t first = now.mesh.first_brick(level);
+  auto part = parts.begin();
   for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
     const std::size_t brick = first + i;
+    const bool has_part = part != parts.end() && part->brick == i;
     if (kept.vertices[i] != kNewBrick) {
       const std::size_t before = earlier.mesh.first_brick(level) + kept.vertices[i];
       add_run(difference.kept.vertices,
               {earlier.mesh.first_vertex(before), now.mesh.first_vertex(brick),
                now.mesh.first_vertex(brick + 1) - now.mesh.first_vertex(brick)});
-    } else if (kept.nodes[i] != kNewBrick) {
-      add_nodes(earlier, now, level, kept.nodes[i], i, difference.kept.vertices);
+    } else if (has_part) {
+      for (const KeptRun& run : part->vertices) add_run(difference.kept.vertices, run);
     }
     if (kept.tets[i] != kNewBrick) {
       const std::size_t before = earlier.mesh.first_brick(level) + kept.tets[i];
@@ -267,6 +196,11 @@ void add_level(const ComparedMesh& earlier,
                now.mesh.first_tet(brick + 1) - now.mesh.first_tet(brick)});
       continue;
     }
+    if (has_part && !part->tets.empty()) {
+      for (const KeptRun& run : part->tets) add_run(difference.kept.tets, run);
+      difference.partly.push_back({brick, part->new_cells});
+    }
+    part += has_part ? 1 : 0;
     auto& changed = difference.changed;
     if (!changed.empty() && changed.back().end == brick) {
       ++changed.back().end;
@@ -290,21 +224,28 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
         find_same(earlier, now, level, std::move(unchanged[static_cast<std::size_t>(level)]),
                   changed.emplace_back(), level_kept.nodes);
     level_kept.tets = level_kept.vertices;
-    mark_readers(changed, now.mesh.tree().levels[static_cast<std::size_t>(level)],
-                 level_kept.tets);
+    const OctreeLevel& tree_level = now.mesh.tree().levels[static_cast<std::size_t>(level)];
+    if (level == 0) level_kept.read = ReadCells(tree_level.bricks.size());
+    mark_readers(changed, tree_level, level_kept.tets, level == 0 ? &level_kept.read : nullptr);
+    if (level == 0) leave_out_moved_quads(now.mesh, level_kept);
     kept.push_back(std::move(level_kept));
   }
   return kept;
 }
 
-MeshDifference compare_meshes(const ComparedMesh& earlier, const ComparedMesh& now) {
+MeshDifference compare_meshes(const ComparedMesh& earlier,
+                              const ComparedMesh& now,
+                              PatchDetail detail) {
   MeshDifference difference;
   std::vector<KeptBricks> found;
   const std::vector<KeptBricks>* known = now.mesh.kept_of(earlier.mesh);
   if (known == nullptr) found = find_kept_bricks(earlier, now);
   const std::vector<KeptBricks>& kept = known != nullptr ? *known : found;
-  for (std::size_t level = 0; level < kept.size(); ++level) {
-    add_level(earlier, now, static_cast<int>(level), kept[level], difference);
+  difference.kept.loose = detail == PatchDetail::kSlices;
+  for (std::size_t l = 0; l < kept.size(); ++l) {
+    const int level = static_cast<int>(l);
+    const auto parts = find_kept_of_bricks(earlier, now, level, kept[l], detail);
+    add_level(earlier, now, level, kept[l], parts, difference);
   }
   return difference;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mesh/row_queue.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
@@ -32,8 +34,10 @@ Plan plan_of(const Volume& volume, const MeshRequest& request, const MeshLimits&
   return plan.ok() ? *plan : nullptr;
 }
 
-std::shared_ptr<const MeshPatch> patch_between(const Plan& earlier, const Plan& now) {
-  return MeshPatch::between(as_bricks(earlier), as_bricks(now));
+std::shared_ptr<const MeshPatch> patch_between(const Plan& earlier,
+                                               const Plan& now,
+                                               PatchDetail detail = PatchDetail::kBricks) {
+  return MeshPatch::between(as_bricks(earlier), as_bricks(now), detail);
 }
 
 TetMesh mesh_of(const MeshPlan& plan) {
@@ -50,11 +54,38 @@ TetMesh spliced(const TetMesh& earlier,
   EXPECT_TRUE(mesh.ok()) << mesh.status();
   if (!mesh.ok()) return {};
   MeshWorkspace workspace;
+  RowQueue vertices = RowQueue::beside(patch.kept().vertices, now.header().vertex_count);
+  RowQueue tets = RowQueue::beside(patch.kept().tets, now.header().tet_count);
   for (std::uint64_t i = 0; i < patch.patch_count(); ++i) {
-    patch.fill(i, workspace, mesh->columns_of(patch.extent(i)));
+    const ChunkExtent extent = patch.extent(i);
+    if (!patch.kept().loose) {
+      patch.fill(i, workspace, mesh->columns_of(extent));
+      continue;
+    }
+    TetMesh chunk(header_of_chunk(now.header(), extent));
+    patch.fill(i, workspace, chunk.columns());
+    const auto copy = [&](std::uint64_t row, std::uint64_t at, std::uint64_t count) {
+      const ChunkColumns from = chunk.columns_of({.first_tet = at, .tet_count = count});
+      const ChunkColumns to = mesh->columns_of({.first_tet = row, .tet_count = count});
+      std::ranges::copy(from.tets, to.tets.begin());
+      std::ranges::copy(from.regions, to.regions.begin());
+    };
+    EXPECT_TRUE(tets.take(extent.tet_count, copy));
+    const auto copy_points = [&](std::uint64_t row, std::uint64_t at, std::uint64_t count) {
+      const auto from = chunk.columns_of({.first_vertex = at, .vertex_count = count}).positions;
+      const auto to = mesh->columns_of({.first_vertex = row, .vertex_count = count}).positions;
+      std::ranges::copy(from, to.begin());
+    };
+    EXPECT_TRUE(vertices.take(extent.vertex_count, copy_points));
+  }
+  const auto nothing = [](std::uint64_t, std::uint64_t, std::uint64_t) {};
+  if (patch.kept().loose) {
+    EXPECT_FALSE(vertices.take(1, nothing) || tets.take(1, nothing));
   }
   return *std::move(mesh);
 }
+
+constexpr std::array kDetails{PatchDetail::kBricks, PatchDetail::kSlices};
 
 std::uint64_t kept_tets(const MeshPatch& patch) {
   std::uint64_t count = 0;
@@ -112,12 +143,14 @@ TEST(MeshPatch, MakesTheSameBytesAsTheWholeMesh) {
     SCOPED_TRACE(c.name);
     const Plan earlier = plan_of(c.earlier, c.request), now = plan_of(c.now, c.request);
     ASSERT_TRUE(earlier && now);
-    const auto patch = patch_between(earlier, now);
-    if (patch == nullptr) {
-      EXPECT_FALSE(can_splice(earlier->header(), now->header()));
-      continue;
+    for (const PatchDetail detail : kDetails) {
+      const auto patch = patch_between(earlier, now, detail);
+      if (patch == nullptr) {
+        EXPECT_FALSE(can_splice(earlier->header(), now->header()));
+        continue;
+      }
+      EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
     }
-    EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
   }
 }
 
@@ -134,9 +167,53 @@ TEST(MeshPatch, MakesTheSameBytesWhereverTheChangeIs) {
     const Plan earlier = plan_of(dented_ball(0), request);
     const Plan now = plan_of(dented_ball(depth, at), request);
     ASSERT_TRUE(earlier && now);
-    const auto patch = patch_between(earlier, now);
-    ASSERT_TRUE(patch);
-    EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
+    for (const PatchDetail detail : kDetails) {
+      const auto patch = patch_between(earlier, now, detail);
+      ASSERT_TRUE(patch);
+      EXPECT_TRUE(same_bytes(spliced(mesh_of(*earlier), *now, *patch), mesh_of(*now)));
+    }
+  }
+}
+
+/// Tets of a mesh by where their corners lie, and on which side they are.
+using Shapes = std::set<std::pair<std::array<std::array<double, 3>, 4>, MeshRegion>>;
+
+Shapes shapes_of(const TetMesh& mesh) {
+  Shapes shapes;
+  for (std::uint64_t i = 0; i < mesh.header.tet_count; ++i) {
+    std::array<std::array<double, 3>, 4> corners;
+    std::ranges::transform(mesh.view().stored_places(i), corners.begin(),
+                           [](const WorldPoint& at) {
+                             return std::array{at.x, at.y, at.z};
+                           });
+    shapes.emplace(corners, mesh.region(i));
+  }
+  return shapes;
+}
+
+/// What a patch by slices brings of a uniform mesh is not much more than what must come;
+/// coarser bricks come as a whole.
+TEST(MeshPatch, BringsBySlicesWhatHasNotBeenThere) {
+  for (const Case& c : cases()) {
+    if (c.name == "signs") continue;
+    SCOPED_TRACE(c.name);
+    const Plan earlier = plan_of(c.earlier, c.request), now = plan_of(c.now, c.request);
+    ASSERT_TRUE(earlier && now);
+    const auto by_bricks = patch_between(earlier, now);
+    const auto by_slices = patch_between(earlier, now, PatchDetail::kSlices);
+    ASSERT_TRUE(by_bricks && by_slices);
+    const Shapes before = shapes_of(mesh_of(*earlier));
+    std::uint64_t changed = 0;
+    for (const auto& shape : shapes_of(mesh_of(*now)))
+      changed += before.contains(shape) ? 0 : 1;
+    const std::uint64_t tets = now->header().tet_count;
+    const std::uint64_t by_slice = tets - kept_tets(*by_slices);
+    const std::uint64_t by_brick = tets - kept_tets(*by_bricks);
+    EXPECT_GE(by_slice, changed);
+    EXPECT_LE(by_slice, by_brick);
+    if (c.request.levels == 0) {
+      EXPECT_LE(by_slice - changed, (by_brick - changed) / 2);
+    }
   }
 }
 
@@ -160,13 +237,15 @@ TEST(MeshPatch, IsTheSameWhateverThePlansKept) {
   MeshLimits nothing_kept;
   nothing_kept.kept_geometry_bytes = 0;
   const Volume ball = dented_ball(0), dented = dented_ball(5);
-  const auto one = patch_between(plan_of(ball, {}), plan_of(dented, {}));
-  const auto other =
-      patch_between(plan_of(ball, {}, nothing_kept), plan_of(dented, {}, nothing_kept));
-  ASSERT_TRUE(one && other);
-  EXPECT_EQ(one->kept().vertices, other->kept().vertices);
-  EXPECT_EQ(one->kept().tets, other->kept().tets);
-  EXPECT_EQ(one->patch_count(), other->patch_count());
+  for (const PatchDetail detail : kDetails) {
+    const auto one = patch_between(plan_of(ball, {}), plan_of(dented, {}), detail);
+    const auto other = patch_between(plan_of(ball, {}, nothing_kept),
+                                     plan_of(dented, {}, nothing_kept), detail);
+    ASSERT_TRUE(one && other);
+    EXPECT_EQ(one->kept().vertices, other->kept().vertices);
+    EXPECT_EQ(one->kept().tets, other->kept().tets);
+    EXPECT_EQ(one->patch_count(), other->patch_count());
+  }
 }
 
 TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {

@@ -239,6 +239,22 @@ TEST(Conversions, BringKeptPartsLatticesAndChunkNumbersBack) {
     EXPECT_EQ(parts->vertices, kept.vertices);
     EXPECT_EQ(parts->tets, kept.tets);
 
+    KeptParts loose{.loose = true};
+    KeptRun end;
+    for (int j = random.small(9); j > 0; --j) {
+      const auto gap = [&] { return static_cast<std::uint64_t>(random.small(200)); };
+      const KeptRun run{end.from + gap(), end.to + gap(), gap()};
+      loose.vertices.push_back(run);
+      loose.tets.insert(loose.tets.begin(), run);
+      end = {run.from + run.count, run.to + run.count, 0};
+    }
+    loose.tets.resize(std::min<std::size_t>(loose.tets.size(), 1));
+    const auto loose_parts = from_proto(sent<v1::KeptParts>(loose));
+    ASSERT_TRUE(loose_parts.ok()) << loose_parts.status();
+    EXPECT_TRUE(loose_parts->loose);
+    EXPECT_EQ(loose_parts->vertices, loose.vertices);
+    EXPECT_EQ(loose_parts->tets, loose.tets);
+
     LatticeToWorld lattice;
     for (auto& row : lattice.linear) {
       for (double& entry : row) entry = random.number();
@@ -420,6 +436,13 @@ TEST(Conversions, RefuseHostileKeptPartsAndLattices) {
   expect_refused<K>(sent<K>(kept),
                     {{"vertices[0]", [](K& m) { m.mutable_vertices(0)->set_from(-1); }},
                      {"tets[0]", [](K& m) { m.mutable_tets(0)->set_count(kMaxCount + 1); }}});
+  kept.loose = true;
+  constexpr auto kMost = static_cast<std::uint64_t>(kMaxCount);
+  expect_refused<K>(sent<K>(kept),
+                    {{"vertex_runs has 4", [](K& m) { m.add_vertex_runs(0); }},
+                     {"tet_runs[1]", [](K& m) { m.set_tet_runs(1, kMost + 1); }},
+                     {"tet_runs[2]", [](K& m) { m.set_tet_runs(2, ~std::uint64_t{0}); }},
+                     {"vertex_runs[0] ends", [](K& m) { m.set_vertex_runs(2, kMost); }}});
   using L = v1::Lattice;
   expect_refused<L>(sent<L>(LatticeToWorld()),
                     {{"linear", [](L& m) { m.add_linear(1); }},
