@@ -62,7 +62,7 @@ TetMesh mesh_of_events(const Events& events,
   MeshReceiver receiver(base, {}, loose);
   const absl::Status status = taken(receiver, events);
   EXPECT_TRUE(status.ok()) << status;
-  return std::move(receiver).finish({})->mesh;
+  return std::move(std::move(receiver).finish({})->mesh);
 }
 
 std::size_t bytes_of(const Events& events) {

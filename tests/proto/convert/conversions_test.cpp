@@ -239,7 +239,7 @@ TEST(Conversions, BringKeptPartsLatticesAndChunkNumbersBack) {
     EXPECT_EQ(parts->vertices, kept.vertices);
     EXPECT_EQ(parts->tets, kept.tets);
 
-    KeptParts loose{.loose = true};
+    KeptParts loose{{}, {}, true};
     KeptRun end;
     for (int j = random.small(9); j > 0; --j) {
       const auto gap = [&] { return static_cast<std::uint64_t>(random.small(200)); };
