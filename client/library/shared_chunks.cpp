@@ -112,7 +112,7 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told) {
   answer_after_ =
       events_ ? static_cast<std::uint64_t>((told.blocks() + 1) / kAnswersARound) : 1;
   unanswered_ = 0;
-  looked_ = Clock::now();
+  looked_ = answered_ = Clock::now();
   return absl::OkStatus();
 }
 
@@ -122,14 +122,18 @@ bool SharedChunks::take_event(grpc::ByteBuffer& event,
   std::array<std::byte, kMostSideEventBytes> bytes{};
   while (open_ && next_is_here_ && !cancellation.requested()) {
     std::size_t size = 0;
-    const auto wait = std::min(kLook, patience(cancellation));
+    const auto wait =
+        std::min(unanswered_ > 0 ? answers_within_ : kLook, patience(cancellation));
     Packet packet = await_any_packet(side_, bytes, size, wait, cancellation.descriptor());
     if (is_time_to_look() && in_stream() && packet == Packet::kNone) {
       // What was said here before that comes first.
       packet = take_any_packet(side_, bytes, size);
       if (packet == Packet::kNone) packet = Packet::kEnd;
     }
-    if (packet == Packet::kNone) continue;
+    if (packet == Packet::kNone) {
+      answer();
+      continue;
+    }
     next_is_here_ =
         packet == Packet::kTaken && !is_next_in_stream(std::span(bytes).first(size));
     if (packet == Packet::kEnd) events_ = false;
@@ -197,13 +201,15 @@ absl::Status SharedChunks::distrust(std::uint64_t index) {
 void SharedChunks::acknowledge(std::uint64_t index) noexcept {
   last_ = index;
   next_is_here_ = events_;
-  if (++unanswered_ >= answer_after_) answer();
+  ++unanswered_;
+  if (unanswered_ >= answer_after_ || Clock::now() - answered_ >= answers_within_) answer();
 }
 
 /// For all that came.
 void SharedChunks::answer() noexcept {
   if (open_ && unanswered_ > 0) send_packet(side_, side_message(last_));
   unanswered_ = 0;
+  answered_ = Clock::now();
 }
 
 }  // namespace tet

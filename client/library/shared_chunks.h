@@ -36,6 +36,12 @@ class SharedChunks {
   /// Whether an event has come in the stream meanwhile, or its end.
   using InStream = std::function<bool()>;
 
+  /// An answer waits for others no longer than this: a server must not take a client for
+  /// stalled that has copied all there is, or takes its time for each chunk.
+  explicit SharedChunks(
+      std::chrono::milliseconds answers_within = std::chrono::milliseconds(250)) noexcept
+      : answers_within_(answers_within) {}
+
   /// Begins another stream at the server whose socket file this is, empty for one that has
   /// none. Returns what the request is to say, empty where there is no shared memory, and
   /// waits for that until `cancellation` at most.
@@ -92,6 +98,8 @@ class SharedChunks {
 
   bool refused_ = false;  ///< it could not be used once
   bool open_ = false, rests_ = false;
+  std::chrono::milliseconds answers_within_;
+  Clock::time_point answered_{};
   Clock::time_point looked_{};                  ///< into the stream
   bool events_ = false, next_is_here_ = false;  ///< and not in the stream
   std::uint64_t answer_after_ = 1;              ///< so many chunks

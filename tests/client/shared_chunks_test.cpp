@@ -81,7 +81,7 @@ class SharedChunksTest : public testing::Test {
   const Cancellation never_;
   Descriptor listener_, accepted_;
   SealedMemory memory_;
-  SharedChunks chunks_;
+  SharedChunks chunks_{std::chrono::hours(1)};  // answers for several chunks, however slow we are
 };
 
 TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {
@@ -318,6 +318,34 @@ TEST_F(SharedChunksTest, AnswersForSeveralChunksAtOnce) {
   EXPECT_FALSE(takes(""));
   EXPECT_EQ(take_packet(accepted_, said), Packet::kTaken);
   EXPECT_EQ(side_number(said), 4U);
+}
+
+TEST_F(SharedChunksTest, AnswersInTimeWhereChunksAreSlowToCome) {
+  chunks_ = SharedChunks(std::chrono::milliseconds(1));
+  open_for_events(7);
+  ASSERT_TRUE(say("one") && takes("one"));
+  chunks_.acknowledge(0);  // and nothing comes
+  SideMessage said{};
+  bool answered = false;
+  grpc::ByteBuffer event;
+  for (int looks = 0; !answered && looks < 3; ++looks) {
+    EXPECT_FALSE(chunks_.take_event(event, never_, [&] {
+      answered = take_packet(accepted_, said) == Packet::kTaken;
+      return true;  // ends the wait
+    }));
+  }
+  EXPECT_TRUE(answered);  // before the wait ended
+}
+
+TEST_F(SharedChunksTest, AnswersEachChunkThatTakesItsTime) {
+  chunks_ = SharedChunks(std::chrono::milliseconds(0));
+  open_for_events(7);
+  SideMessage said{};
+  for (std::uint64_t chunk = 0; chunk < 3; ++chunk) {
+    chunks_.acknowledge(chunk);
+    EXPECT_EQ(take_packet(accepted_, said), Packet::kTaken);
+    EXPECT_EQ(side_number(said), chunk);
+  }
 }
 
 TEST_F(SharedChunksTest, AWrongChunkThatNobodyCanHaveFreedIsNotAskedForAgain) {
