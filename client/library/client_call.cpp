@@ -21,8 +21,11 @@ constexpr std::chrono::milliseconds kSought{25};
 /// No server may keep us waiting longer than this.
 constexpr absl::Duration kLongestWait = absl::Seconds(30);
 
+/// An upload whose offset is wrong, too: what the call that broke had sent may still be taken
+/// when the next one has been told how far it came.
 bool worth_retrying(const absl::Status& status) {
-  return absl::IsUnavailable(status) || absl::IsAborted(status) || retry_delay(status);
+  return absl::IsUnavailable(status) || absl::IsAborted(status) || retry_delay(status) ||
+         reason_of_failure(status) == "WRONG_OFFSET";
 }
 
 /// A name of its own for every attempt, and the trace that this process is part of, if any.

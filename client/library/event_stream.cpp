@@ -42,7 +42,7 @@ absl::StatusOr<bool> EventStream::step() {
     if (!attempt_) begin();
     grpc::ByteBuffer event;
     absl::Status status;
-    if (attempt_->stream.read(event)) {
+    if (next(event)) {
       status = call_.take(event);
       if (status.ok()) return true;
       attempt_->call.context().TryCancel();
@@ -56,6 +56,15 @@ absl::StatusOr<bool> EventStream::step() {
     }
     if (!connection_.again(retries_, server, status, call_.next_chunk())) return status;
   }
+}
+
+/// The next event, wherever it comes; false where there is none.
+bool EventStream::next(grpc::ByteBuffer& event) {
+  RawCall& stream = attempt_->stream;
+  const bool beside =
+      call_.shared != nullptr &&
+      call_.shared->take_event(event, cancellation_, [&] { return stream.can_read(); });
+  return beside || stream.read(event);
 }
 
 absl::Status EventStream::end_attempt() {

@@ -13,6 +13,7 @@
 
 #include "client/library/client_call.h"
 #include "client/library/connection.h"
+#include "client/library/shared_chunks.h"
 #include "core/base/cancel.h"
 
 namespace tet {
@@ -24,6 +25,8 @@ struct StreamCall {
   std::function<absl::Status(grpc::ByteBuffer&)> take;
   std::function<bool()> complete;
   std::function<std::uint64_t()> next_chunk;  ///< the first that is missing
+  /// Where events may come beside the stream: see SharedChunks, whose this is.
+  SharedChunks* shared = nullptr;
 };
 
 /// Nothing is read but by `step`: between two steps the transport's buffers fill up, and then
@@ -45,6 +48,7 @@ class EventStream {
   struct Attempt;
 
   void begin();
+  bool next(grpc::ByteBuffer& event);
   absl::Status end_attempt();
 
   Connection& connection_;

@@ -145,13 +145,12 @@ absl::StatusOr<StreamedMesh> receive_stream_mesh(Connection& connection,
   const auto request = [&](const MeshReceiver& so_far) {
     message.set_start_chunk(static_cast<std::int64_t>(so_far.next_chunk()));
     message.set_expected_mesh_id(so_far.mesh_id());
-    message.set_shared_memory(
-        shared->begin(connection.server().shared_memory_path(), cancellation));
+    shared->ask(message, connection.server().shared_memory_path(), cancellation);
     return serialized(message);
   };
-  auto mesh =
-      receive_mesh(connection, {v1::MeshService::service_full_name(), "StreamMesh", request},
-                   std::move(receiver), progress, cancellation);
+  auto mesh = receive_mesh(
+      connection, {v1::MeshService::service_full_name(), "StreamMesh", request, &*shared},
+      std::move(receiver), progress, cancellation);
   if (mesh.ok()) shared->rest();
   return mesh;
 }

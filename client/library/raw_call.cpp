@@ -1,5 +1,8 @@
 #include "client/library/raw_call.h"
 
+#include <chrono>
+#include <utility>
+
 #include <absl/strings/str_cat.h>
 
 namespace tet {
@@ -36,13 +39,31 @@ bool RawCall::writes_done() {
 }
 
 bool RawCall::read(grpc::ByteBuffer& message) {
-  call_->Read(&message, nullptr);
-  return done();
+  begin_read();
+  if (!std::exchange(has_read_, false)) read_ok_ = done();
+  reading_ = false;
+  message.Swap(&incoming_);
+  incoming_.Clear();
+  return read_ok_;
+}
+
+void RawCall::begin_read() {
+  if (!std::exchange(reading_, true)) call_->Read(&incoming_, nullptr);
+}
+
+bool RawCall::can_read() {
+  begin_read();
+  if (has_read_) return true;
+  void* tag = nullptr;
+  has_read_ = queue_.AsyncNext(&tag, &read_ok_, std::chrono::system_clock::now()) !=
+              grpc::CompletionQueue::TIMEOUT;
+  return has_read_;
 }
 
 grpc::Status RawCall::finish() {
   grpc::Status status;
   call_->Finish(&status, nullptr);
+  if (reading_ && !has_read_) done();  // both have ended, in whichever order
   done();
   return status;
 }

@@ -14,8 +14,8 @@
 
 namespace tet {
 
-/// One call, one operation at a time, on the thread that waits for it. Not thread-safe;
-/// `context` outlives it.
+/// One call, one operation at a time but for a read that `can_read` has begun, on the thread
+/// that waits for it. Not thread-safe; `context` outlives it.
 class RawCall {
  public:
   /// `method` of `service`, as in their .proto file. Nothing is sent before the first message.
@@ -36,6 +36,8 @@ class RawCall {
 
   /// Waits for the next message; false when there is none.
   bool read(grpc::ByteBuffer& message);
+  /// Whether `read` would not wait.
+  bool can_read();
 
   /// Waits for the end of the call, which comes after the last `read`, a failed `write`, or a
   /// cancellation.
@@ -44,7 +46,10 @@ class RawCall {
  private:
   /// Waits for the operation that was begun; false when it failed.
   bool done();
+  void begin_read();
 
+  grpc::ByteBuffer incoming_;  ///< of the read that was begun
+  bool reading_ = false, has_read_ = false, read_ok_ = false;
   grpc::CompletionQueue queue_;
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> call_;
 };

@@ -43,7 +43,7 @@ absl::StatusOr<StreamedMesh> receive_mesh(Connection& connection,
   const absl::Status received = receive_stream(
       connection,
       {call.service, call.method, [&] { return call.request(receiver); }, take,
-       [&] { return receiver.complete(); }, [&] { return receiver.next_chunk(); }},
+       [&] { return receiver.complete(); }, [&] { return receiver.next_chunk(); }, call.shared},
       cancellation);
   if (!received.ok()) return received;
   return std::move(receiver).finish(cancellation);

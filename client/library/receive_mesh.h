@@ -25,6 +25,7 @@ struct MeshCall {
   std::string service, method;  ///< as in their .proto file
   /// The request for what `receiver` lacks.
   std::function<grpc::ByteBuffer(const MeshReceiver& receiver)> request;
+  SharedChunks* shared = nullptr;  ///< where events may come beside the stream
 };
 
 /// Receives all of a mesh. Errors: those of receive_stream, and of MeshReceiver.

@@ -54,8 +54,7 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
   *message.mutable_start() = request;
   message.set_tell_refusals(true);
   message.set_loose_patches(true);
-  message.set_shared_memory(
-      session->shared_->begin(session->shared_memory_path_, cancellation));
+  session->shared_->ask(message, session->shared_memory_path_, cancellation);
   if (auto status = session->exchange(message); !status.ok()) return status;
   return session;
 }
@@ -128,7 +127,9 @@ absl::Status RemeshSession::receive(Receiver& receiver) {
   receiver.use_shared(*shared_);
   while (!receiver.complete() && receiver.refusal().ok()) {
     grpc::ByteBuffer event;
-    if (!stream_->read(event)) return broken();
+    const bool beside =
+        shared_->take_event(event, cancellation_, [&] { return stream_->can_read(); });
+    if (!beside && !stream_->read(event)) return broken();
     if (auto taken = receiver.take(event); !taken.ok()) return give_up(std::move(taken));
   }
   shared_->pause();

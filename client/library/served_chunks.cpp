@@ -30,13 +30,14 @@ StreamCall ServedChunks::call() {
               [this] {
                 request_.set_start_chunk(static_cast<std::int64_t>(reader_.next_chunk()));
                 request_.set_expected_mesh_id(reader_.told().mesh_id);
-                request_.set_shared_memory(
-                    shared_->begin(connection_->server().shared_memory_path(), cancellation_));
+                shared_->ask(request_, connection_->server().shared_memory_path(),
+                             cancellation_);
                 return serialized(request_);
               },
           .take = [this](grpc::ByteBuffer& event) { return reader_.take(event); },
           .complete = [this] { return reader_.complete(); },
-          .next_chunk = [this] { return reader_.next_chunk(); }};
+          .next_chunk = [this] { return reader_.next_chunk(); },
+          .shared = &*shared_};
 }
 
 absl::StatusOr<const MeshHeader*> ServedChunks::header() {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <grpcpp/support/slice.h>
 
 #include "client/library/stream_checks.h"
 #include "core/base/posix/packet_socket.h"
@@ -21,8 +22,15 @@ namespace {
 /// A server that is there takes its time only where the whole host does.
 constexpr std::chrono::seconds kPatience{10};
 constexpr std::size_t kTokenBytes = 16;
+constexpr std::size_t kTetsColumn = 1;  ///< of ChunkColumns::all
 // What was copied is read again from the nearest cache.
 constexpr std::size_t kPiece = std::size_t{16} << 10;
+
+/// How long one waits here before one looks whether the stream has ended.
+constexpr std::chrono::milliseconds kLook{1000};
+/// Answers for each time that all blocks are used: a server has half as many chunks made ahead,
+/// and waits for none.
+constexpr std::int64_t kAnswersARound = 3;
 
 /// More than any window of chunks.
 constexpr std::int64_t kMostBlockBytes = std::int64_t{1} << 30, kMostBlocks = 1 << 16;
@@ -36,23 +44,26 @@ std::chrono::milliseconds patience(const Cancellation& cancellation) {
       std::clamp(left, Duration::zero(), Duration(kPatience)));
 }
 
-/// Checks what was copied, as the memory may change between two looks at it.
-std::uint32_t copy_piece(std::span<const std::byte> from,
-                         std::span<std::byte> to,
-                         std::uint32_t checksum) {
+bool is_next_in_stream(std::span<const std::byte> message) {
+  return std::ranges::equal(message, kNextIsInStream);
+}
+
+/// Copies piece by piece and has each looked at where it lies then, as the memory may change
+/// between two looks at it.
+template <class Look>
+void copy_pieces(std::span<const std::byte> from, std::span<std::byte> to, const Look& look) {
   for (std::size_t begin = 0; begin < to.size(); begin += kPiece) {
     const auto piece = to.subspan(begin, std::min(kPiece, to.size() - begin));
     std::memcpy(piece.data(), from.data() + begin, piece.size());
-    checksum = add_to_checksum(checksum, piece);
+    look(piece);
   }
-  return checksum;
 }
 
 }  // namespace
 
 std::string SharedChunks::begin(const std::string& grpc_path,
                                 const Cancellation& cancellation) {
-  open_ = false;
+  pause();
   const bool goes_on = std::exchange(rests_, false) && grpc_path == path_ && is_quiet(side_);
   if (goes_on || connect(grpc_path, cancellation)) return token_;
   side_ = Descriptor();
@@ -97,11 +108,51 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told) {
   }
   refused_ = false;
   open_ = true;
+  events_ = next_is_here_ = told.events();
+  answer_after_ =
+      events_ ? static_cast<std::uint64_t>((told.blocks() + 1) / kAnswersARound) : 1;
+  unanswered_ = 0;
+  looked_ = Clock::now();
   return absl::OkStatus();
 }
 
+bool SharedChunks::take_event(grpc::ByteBuffer& event,
+                              const Cancellation& cancellation,
+                              const InStream& in_stream) {
+  std::array<std::byte, kMostSideEventBytes> bytes{};
+  while (open_ && next_is_here_ && !cancellation.requested()) {
+    std::size_t size = 0;
+    const auto wait = std::min(kLook, patience(cancellation));
+    Packet packet = await_any_packet(side_, bytes, size, wait, cancellation.descriptor());
+    if (is_time_to_look() && in_stream() && packet == Packet::kNone) {
+      // What was said here before that comes first.
+      packet = take_any_packet(side_, bytes, size);
+      if (packet == Packet::kNone) packet = Packet::kEnd;
+    }
+    if (packet == Packet::kNone) continue;
+    next_is_here_ =
+        packet == Packet::kTaken && !is_next_in_stream(std::span(bytes).first(size));
+    if (packet == Packet::kEnd) events_ = false;
+    if (next_is_here_) {
+      const grpc::Slice slice(bytes.data(), size);
+      event = grpc::ByteBuffer(&slice, 1);
+      return true;
+    }
+  }
+  answer();
+  return false;
+}
+
+/// Now and then, whether or not something comes here: it is then that gRPC answers its peer.
+bool SharedChunks::is_time_to_look() noexcept {
+  const Clock::time_point now = Clock::now();
+  const bool is_time = now - looked_ >= kLook;
+  if (is_time) looked_ = now;
+  return is_time;
+}
+
 void SharedChunks::pause() noexcept {
-  open_ = false;
+  open_ = events_ = next_is_here_ = false;
   if (memory_ && memory_->holds_pages()) memory_.reset();
 }
 
@@ -110,8 +161,9 @@ void SharedChunks::rest() noexcept {
   rests_ = side_.is_open() && !refused_;
 }
 
-absl::StatusOr<std::uint32_t> SharedChunks::copy(std::int64_t offset,
-                                                 const ChunkColumns& to) const {
+absl::StatusOr<CopiedChunk> SharedChunks::copy(std::int64_t offset,
+                                               const ChunkColumns& to,
+                                               const MeshHeader& header) const {
   if (!open_) return bad_stream("a chunk in shared memory that nobody has");
   std::array<std::size_t, kMeshColumns> sizes{};
   const auto places = to.all();
@@ -122,22 +174,36 @@ absl::StatusOr<std::uint32_t> SharedChunks::copy(std::int64_t offset,
       layout.bytes() > bytes.size() - static_cast<std::size_t>(offset)) {
     return bad_stream("a chunk that lies beyond its shared memory");
   }
-  std::uint32_t checksum = 0;
+  CopiedChunk copied;
   const std::byte* const block = bytes.data() + offset;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    checksum = copy_piece(layout.column(block, i), places[i], checksum);
+    copy_pieces(layout.column(block, i), places[i], [&](std::span<const std::byte> piece) {
+      copied.checksum = add_to_checksum(copied.checksum, piece);
+      if (i == kTetsColumn && !ids_are_within(piece, header)) copied.ids_are_within = false;
+    });
   }
-  return checksum;
+  return copied;
 }
 
-absl::Status SharedChunks::distrust(std::uint64_t index) noexcept {
+absl::Status SharedChunks::distrust(std::uint64_t index) {
   refused_ = true;
+  if (memory_ && memory_->holds_pages()) {
+    return bad_stream(absl::StrCat("chunk ", index, " has a wrong checksum"));
+  }
   return absl::UnavailableError(
       absl::StrCat("chunk ", index, " is not in shared memory any more"));
 }
 
 void SharedChunks::acknowledge(std::uint64_t index) noexcept {
-  if (open_) send_packet(side_, side_message(index));
+  last_ = index;
+  next_is_here_ = events_;
+  if (++unanswered_ >= answer_after_) answer();
+}
+
+/// For all that came.
+void SharedChunks::answer() noexcept {
+  if (open_ && unanswered_ > 0) send_packet(side_, side_message(last_));
+  unanswered_ = 0;
 }
 
 }  // namespace tet

@@ -70,7 +70,9 @@ absl::Status StreamReader::read(grpc::ByteBuffer& event) {
     planning_.reset();
     const auto columns = place_of(chunk->numbers, sizes_of(*chunk));
     if (!columns.ok()) return columns.status();
-    return advance(chunk->numbers, *columns, copy_columns(event, *chunk, *columns));
+    const std::uint32_t checksum = copy_columns(event, *chunk, *columns);
+    return advance(chunk->numbers, *columns,
+                   {checksum, ids_are_within(columns->tets, header())});
   }
   v1::MeshEvent message;
   if (!deserialize(event, message)) {
@@ -161,7 +163,8 @@ absl::Status StreamReader::take_chunk(const v1::MeshChunk& chunk) {
   const auto columns = place_of(numbers, sizes_of(received));
   if (!columns.ok()) return columns.status();
   copy_columns(received, *columns);
-  return advance(numbers, *columns, chunk_checksum(received));
+  return advance(numbers, *columns,
+                 {chunk_checksum(received), ids_are_within(columns->tets, header())});
 }
 
 absl::Status StreamReader::take_shared(const ChunkNumbers& numbers, std::int64_t offset) {
@@ -169,10 +172,10 @@ absl::Status StreamReader::take_shared(const ChunkNumbers& numbers, std::int64_t
   if (absl::Status status = check_place(numbers); !status.ok()) return status;
   const auto columns = consumer_->place(extent_of(numbers));
   if (!columns.ok()) return columns.status();
-  const auto checksum = shared_->copy(offset, *columns);
-  if (!checksum.ok()) return checksum.status();
-  if (*checksum != numbers.checksum) return shared_->distrust(numbers.index);
-  return advance(numbers, *columns, *checksum);
+  const auto copied = shared_->copy(offset, *columns, header());
+  if (!copied.ok()) return copied.status();
+  if (copied->checksum != numbers.checksum) return shared_->distrust(numbers.index);
+  return advance(numbers, *columns, *copied);
 }
 
 absl::Status StreamReader::take_packed(const ChunkNumbers& numbers,
@@ -252,9 +255,9 @@ bool StreamReader::is_whole() const {
 /// attempt overwrites it.
 absl::Status StreamReader::advance(const ChunkNumbers& chunk,
                                    const ChunkColumns& columns,
-                                   std::uint32_t checksum) {
-  if (absl::Status status = verify_checksum(chunk, checksum); !status.ok()) return status;
-  if (!ids_are_within(columns.tets, header())) {
+                                   const CopiedChunk& copied) {
+  if (auto status = verify_checksum(chunk, copied.checksum); !status.ok()) return status;
+  if (!copied.ids_are_within) {
     return bad_stream(
         absl::StrCat("chunk ", chunk.index, " refers to vertices that do not exist"));
   }

@@ -89,7 +89,7 @@ class StreamReader {
   absl::StatusOr<ChunkColumns> place_of(const ChunkNumbers& chunk, const ColumnBytes& columns);
   absl::Status advance(const ChunkNumbers& chunk,
                        const ChunkColumns& columns,
-                       std::uint32_t checksum);
+                       const CopiedChunk& copied);
   absl::Status hand_on(const ChunkNumbers& chunk);
   void count(const ChunkNumbers& chunk);
   absl::Status take_refusal(const v1::FrameRefusal& refusal);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
@@ -14,6 +15,38 @@ namespace tet {
 class PhiSampler;
 struct BrickSamples;
 
+/// Where the edges of a brick and its halo are cut, by family and lower node. Those of a node
+/// lie side by side, as the surface mostly crosses several of its edges.
+class CutFractions {
+ public:
+  /// Those of one family.
+  template <class Fraction>
+  class OfFamily {
+   public:
+    explicit OfFamily(Fraction* first) noexcept : first_(first) {}
+    Fraction& operator[](std::size_t low) const noexcept { return first_[low * kPerNode]; }
+
+   private:
+    Fraction* first_;
+  };
+
+  OfFamily<float> operator[](std::size_t family) noexcept {
+    return OfFamily<float>(&fraction_[first_of(family)]);
+  }
+  OfFamily<const float> operator[](std::size_t family) const noexcept {
+    return OfFamily<const float>(&fraction_[first_of(family)]);
+  }
+
+ private:
+  static constexpr std::size_t kPerNode = 8;  ///< one more than there are: half a cache line
+  static constexpr std::size_t first_of(std::size_t family) noexcept {
+    constexpr std::size_t kOfKind = kHaloNodes * kPerNode;
+    return family / kOwnedDirections * kOfKind + family % kOwnedDirections;
+  }
+
+  alignas(64) std::array<float, kNodeKinds * kHaloNodes * kPerNode> fraction_;
+};
+
 /// Cut points of every edge with an end among the nodes in [kNodeMin, kNodeMax]^3.
 ///
 /// `fraction[family]` is valid where `cut[family]` has a bit: it runs from the lower node
@@ -24,7 +57,7 @@ struct CutPoints {
   NodeSigns signs;
   EdgeSets cut;
   CutEdges edges;  ///< the same, as columns
-  std::array<std::array<float, kHaloNodes>, kEdgeFamilies> fraction;
+  CutFractions fraction;
 };
 
 /// Finds the cut points between nodes whose signs are known; `sampler` answers for the true

@@ -154,6 +154,18 @@ void LocalVertices::enter_fans(const VerticesAround& around, SlotIds<Index>& ids
   }
 }
 
+/// Whether a brick's tets reach any zero or cut point of the neighbour at `o`. Of most bricks
+/// beyond an edge they reach none, and what nobody reaches need not be counted.
+[[gnu::always_inline]] inline bool any_in_reach(const StuffedBrick& brick,
+                                                std::size_t o) noexcept {
+  const auto [bx, by, bz] = UpperOffset(o);
+  BrickMask any = brick.zero[kCorner] | brick.zero[kCentre];
+  for (const BrickMask& cut : brick.cut) any |= cut;
+  std::uint64_t bits = any.slice[0];
+  for (std::size_t x = 1; x < 8; ++x) bits |= bx == 1 ? 0 : any.slice[x];
+  return (bits & reachable_bits(by, bz)) != 0;
+}
+
 template <class Index>
 TET_VECTOR_CLONES void LocalVertices::enter(const VerticesAround& around,
                                             SlotIds<Index>& ids) noexcept {
@@ -165,7 +177,7 @@ TET_VECTOR_CLONES void LocalVertices::enter(const VerticesAround& around,
     for (const NodeKind kind : {kCorner, kCentre}) {
       next = number_nodes(*from.node[kind], o, next, ids.data() + kind * kSlotsOfKind);
     }
-    if (!from.at_surface) continue;
+    if (!from.at_surface || !any_in_reach(*from.stuffed, o)) continue;
     const PackedGeometry packed(from.geometry, *from.stuffed);
     enter_zeros(from, packed, o);
     enter_cuts(from, packed, o, next, ids);

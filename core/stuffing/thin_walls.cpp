@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "core/base/vec3.h"
+#include "core/base/vector_clones.h"
 #include "core/field/cell_signs.h"
 
 namespace tet {
@@ -54,8 +55,30 @@ LatticeVector gradient_at(const BrickSamples& samples, NodeKind kind, int node) 
 /// Shortest chord through each node along the lattice lines seen so far.
 using Chords = std::array<float, kHaloNodes>;
 
+/// Words of a set that hold the brick's own nodes.
+constexpr std::size_t kFirstOwnWord = halo_index(0, -2, -2) / 64;
+constexpr std::size_t kEndOwnWord = halo_index(kBrickEdge, -2, -2) / 64;
+
+/// Whether any of the brick's own nodes lies between two cut points on a line through it. None
+/// does in most bricks, so this is all that they cost.
+TET_VECTOR_CLONES
+bool any_between_cuts(const EdgeSets& cut) noexcept {
+  HaloSet between;
+  for (std::size_t family = 0; family < kEdgeFamilies; ++family) {
+    const NodeKind kind = family_kind(static_cast<int>(family));
+    const int direction = family_direction(static_cast<int>(family));
+    const int back = end_offset(kind, opposite(direction));
+    const auto behind =
+        static_cast<std::size_t>(edge_family(end_kind(kind, direction), direction));
+    for (std::size_t w = kFirstOwnWord; w < kEndOwnWord; ++w) {
+      between.word[w] |= cut[family].word[w] & word_seen_from(cut[behind], w, back);
+    }
+  }
+  return (between & kOwnNodes).any();
+}
+
 /// Calls `visit(node)` for the brick's nodes between two cut points on the line through them in
-/// an owned direction. There are none in most bricks, so this is all that they cost.
+/// an owned direction.
 template <class Visit>
 void for_each_between_cuts(const CutPoints& cuts,
                            NodeKind kind,
@@ -209,6 +232,7 @@ void ThinSpots::add(LatticeCoord node, bool is_inside, float chord) noexcept {
 void find_thin_nodes(const BrickSamples& samples,
                      const CutPoints& cuts,
                      ThinSpots& spots) noexcept {
+  if (!any_between_cuts(cuts.cut)) return;
   for (const NodeKind kind : {kCorner, kCentre}) {
     HaloSet thin;
     Chords chords;

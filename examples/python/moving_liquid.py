@@ -34,10 +34,8 @@ def carried(values, old, new):
     while np.isnan(result).any():
         corners = result[new.tets]
         there = ~np.isnan(corners)
-        sums, counts = np.zeros(len(result)), np.zeros(len(result))
-        for corner in range(4):
-            np.add.at(sums, new.tets[:, corner], np.where(there, corners, 0).sum(axis=1))
-            np.add.at(counts, new.tets[:, corner], there.sum(axis=1))
+        sums, counts = (np.bincount(new.tets.ravel(), np.repeat(of_tet, 4), len(result))
+                        for of_tet in (np.where(there, corners, 0).sum(axis=1), there.sum(axis=1)))
         reached = np.isnan(result) & (counts > 0)
         if not reached.any():
             return np.where(np.isnan(result), 0, result)  # a piece that is new has no warmth of its own

@@ -226,6 +226,7 @@ absl::StatusOr<StreamOrder> parse_stream_request(const v1::StreamMeshRequest& re
                     {},
                     {}};
   order.shared_memory = request.shared_memory();
+  order.shared_memory_events = request.shared_memory_events();
   if (request.base_mesh_id().empty() != request.base_name().empty()) {
     return invalid_field("base_mesh_id and base_name go together: set both or neither");
   }

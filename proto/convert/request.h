@@ -57,6 +57,7 @@ struct StreamOrder {
   std::string stored_name = {};
   /// What the client was told beside gRPC, if it asks for shared memory; else it is empty.
   std::string shared_memory = {};
+  bool shared_memory_events = false;  ///< and it hears of its chunks there
 };
 
 /// Errors: kInvalidArgument, naming the field, its value and what it may be.

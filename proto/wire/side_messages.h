@@ -1,5 +1,5 @@
 // What goes through the socket beside a stream whose chunks are in shared memory: eight bytes,
-// a little-endian number each. docs/wire_format.md
+// a little-endian number each; and where the client wants them, events. docs/wire_format.md
 #pragma once
 
 #include <array>
@@ -9,6 +9,11 @@
 namespace tet {
 
 using SideMessage = std::array<std::byte, 8>;
+
+/// Events that are longer stay in the stream. Those of chunks in shared memory have a hundred.
+inline constexpr std::size_t kMostSideEventBytes = 512;
+/// In the place of an event: the next one is in the stream. No event begins with such a byte.
+inline constexpr std::array<std::byte, 1> kNextIsInStream{};
 
 /// The ending of the socket file beside that of gRPC.
 inline constexpr char kSideSocketEnding[] = ".memory";

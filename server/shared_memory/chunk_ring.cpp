@@ -11,19 +11,22 @@ namespace tet {
 std::shared_ptr<ChunkRing> ChunkRing::open(std::shared_ptr<SideConnection> connection,
                                            std::shared_ptr<RingMemory> memory,
                                            std::uint64_t first,
+                                           ChunkNews news,
                                            Events events) {
   const std::shared_ptr<ChunkRing> ring(
-      new ChunkRing(std::move(connection), std::move(memory), first, std::move(events)));
+      new ChunkRing(std::move(connection), std::move(memory), first, news, std::move(events)));
   return ring->connection_->hand_over(ring->memory_->memory(), ring) ? ring : nullptr;
 }
 
 ChunkRing::ChunkRing(std::shared_ptr<SideConnection> connection,
                      std::shared_ptr<RingMemory> memory,
                      std::uint64_t first,
+                     ChunkNews news,
                      Events events)
     : connection_(std::move(connection)),
       memory_(std::move(memory)),
       first_(first),
+      news_(news),
       events_(std::move(events)),
       told_(first),
       acknowledged_(first) {}
@@ -55,8 +58,10 @@ void ChunkRing::acknowledged(std::uint64_t index) {
   {
     const std::lock_guard lock(mutex_);
     expected = acknowledged_;
-    is_next = index == acknowledged_ && index < told_;
-    if (is_next) ++acknowledged_;
+    const bool may_be =
+        index == acknowledged_ || (index > acknowledged_ && news_ == ChunkNews::kBeside);
+    is_next = may_be && index < told_;
+    if (is_next) acknowledged_ = index + 1;
     moved_ = Clock::now();
   }
   if (is_next) return events_.freed();

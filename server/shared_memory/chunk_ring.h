@@ -18,9 +18,15 @@
 
 namespace tet {
 
+/// How a stream's client hears of its chunks.
+enum class ChunkNews : bool {
+  kInStream,  ///< in the stream, and it acknowledges each
+  kBeside,    ///< through its connection, and what it acknowledges stands for all before
+};
+
 /// Chunk i is made in block (i - first) % blocks, once the client has acknowledged the chunk
 /// that was there before. A client acknowledges the chunks it was told of, each once and in
-/// their order; anything else ends its stream. Thread-safe.
+/// their order, or several at a time; anything else ends its stream. Thread-safe.
 class ChunkRing : public SideUser, public std::enable_shared_from_this<ChunkRing> {
  public:
   using Clock = std::chrono::steady_clock;
@@ -36,9 +42,11 @@ class ChunkRing : public SideUser, public std::enable_shared_from_this<ChunkRing
   static std::shared_ptr<ChunkRing> open(std::shared_ptr<SideConnection> connection,
                                          std::shared_ptr<RingMemory> memory,
                                          std::uint64_t first,
+                                         ChunkNews news,
                                          Events events);
 
   const RingSize& size() const noexcept { return memory_->size(); }
+  ChunkNews news() const noexcept { return news_; }
 
   /// Whether chunk `index` may be made: what was in its block has been read.
   bool has_room(std::uint64_t index) const;
@@ -52,6 +60,10 @@ class ChunkRing : public SideUser, public std::enable_shared_from_this<ChunkRing
   }
   /// The client is about to be told of all chunks before `end`.
   void tell(std::uint64_t end);
+  /// Tells it something through its connection. False where it does not take that.
+  bool tell_beside(std::span<const std::byte> message) const noexcept {
+    return connection_->tell(message);
+  }
   /// Since when a chunk that the client was told of waits for its acknowledgement.
   std::optional<Clock::time_point> waiting_since() const;
   /// Whether every chunk that the client was told of is acknowledged.
@@ -67,11 +79,13 @@ class ChunkRing : public SideUser, public std::enable_shared_from_this<ChunkRing
   ChunkRing(std::shared_ptr<SideConnection> connection,
             std::shared_ptr<RingMemory> memory,
             std::uint64_t first,
+            ChunkNews news,
             Events events);
 
   const std::shared_ptr<SideConnection> connection_;
   const std::shared_ptr<RingMemory> memory_;
   const std::uint64_t first_;
+  const ChunkNews news_;
   const Events events_;
   mutable std::mutex mutex_;
   std::uint64_t told_, acknowledged_;  ///< one past the last chunk

@@ -1,6 +1,5 @@
 #include "server/shared_memory/shared_memory_port.h"
 
-#include <algorithm>
 #include <sys/epoll.h>
 #include <unistd.h>
 #include <utility>
@@ -77,25 +76,31 @@ bool SharedMemoryPort::add(Descriptor socket) {
   std::string token = random_token();
   if (!user || token.empty()) return false;
   const auto connection = std::make_shared<SideConnection>(std::move(socket), std::move(token));
-  if (!wait_for_claim(connection, *user)) return false;
+  if (!wait_for_claim(connection, *user, Kind::kUnclaimed)) return false;
   heed(connection);
   if (connection->tell_token()) return true;
   forget(connection);
   return false;
 }
 
-/// False where there are enough that nobody claims, or the client is gone.
+/// False where there are enough of that kind, or the client is gone.
 bool SharedMemoryPort::wait_for_claim(const std::shared_ptr<SideConnection>& connection,
-                                      uid_t user) {
+                                      uid_t user,
+                                      Kind kind) {
   const std::lock_guard lock(mutex_);
   if (connection->is_over()) return false;
-  const auto of_user = std::ranges::count_if(
-      waiting_, [&](const auto& entry) { return entry.second.user == user; });
-  if (waiting_.size() >= kMostUnclaimed ||
-      static_cast<std::size_t>(of_user) >= kMostUnclaimedOfUser) {
+  const bool rests = kind == Kind::kResting;
+  std::size_t all = 0, of_user = 0;
+  for (const auto& [token, other] : waiting_) {
+    if (other.kind != kind) continue;
+    ++all;
+    if (other.user == user) ++of_user;
+  }
+  if (all >= (rests ? kMostResting : kMostUnclaimed) ||
+      of_user >= (rests ? kMostRestingOfUser : kMostUnclaimedOfUser)) {
     return false;
   }
-  waiting_.emplace(connection->token(), Waiting{connection, user, Clock::now()});
+  waiting_.emplace(connection->token(), Waiting{connection, user, kind, Clock::now()});
   return true;
 }
 
@@ -146,7 +151,8 @@ void SideClaim::end() noexcept {
 
 void SideClaim::give_back() {
   if (connection_ == nullptr) return;
-  if (port_->wait_for_claim(connection_, user_)) connection_ = nullptr;
+  if (port_->wait_for_claim(connection_, user_, SharedMemoryPort::Kind::kResting))
+    connection_ = nullptr;
   end();
 }
 

@@ -23,12 +23,14 @@ class SideClaim;
 /// Tells each client that connects 16 random bytes. Whoever sends them with a call, which is
 /// authorized as all calls are, is whoever holds the connection: then a stream claims it,
 /// alone. A stream that ends well gives it back, for the client's next stream. Connections that
-/// nobody claims end after a minute, and one user has only so many of them.
+/// nobody claims end after a minute, and one user has only so many of them; those that a stream
+/// has given back count for themselves, as whoever may not call has none.
 ///
 /// Thread safety: any thread may call `claim`.
 class SharedMemoryPort {
  public:
   static constexpr std::size_t kMostUnclaimed = 1024, kMostUnclaimedOfUser = 256;
+  static constexpr std::size_t kMostResting = 1024, kMostRestingOfUser = 256;
 
   /// Listens beside the socket file `grpc_path`. Errors: those of SocketFile.
   static absl::StatusOr<std::unique_ptr<SharedMemoryPort>> open(const std::string& grpc_path,
@@ -41,18 +43,20 @@ class SharedMemoryPort {
  private:
   friend class SideClaim;
   using Clock = std::chrono::steady_clock;
+  enum class Kind : bool { kUnclaimed, kResting };
 
-  /// A connection that nobody has claimed.
+  /// A connection that nobody has claimed, or that a stream has given back.
   struct Waiting {
     std::shared_ptr<SideConnection> connection;
     uid_t user = 0;
+    Kind kind = Kind::kUnclaimed;
     Clock::time_point since;
   };
 
   SharedMemoryPort(SocketFile file, Descriptor listener);
   void accept();
   bool add(Descriptor socket);
-  bool wait_for_claim(const std::shared_ptr<SideConnection>& connection, uid_t user);
+  bool wait_for_claim(const std::shared_ptr<SideConnection>& connection, uid_t user, Kind kind);
   void heed(const std::shared_ptr<SideConnection>& connection);
   void forget(const std::shared_ptr<SideConnection>& connection);
   void end_old();

@@ -1,6 +1,5 @@
 #include "server/shared_memory/side_connection.h"
 
-#include <span>
 #include <sys/socket.h>
 #include <utility>
 
@@ -27,6 +26,10 @@ bool SideConnection::hand_over(const SealedMemory& memory, std::weak_ptr<SideUse
     user_ = std::move(user);
   }
   return send_packet(socket_, side_message(memory.bytes().size()), memory.descriptor());
+}
+
+bool SideConnection::tell(std::span<const std::byte> message) noexcept {
+  return send_packet(socket_, message);
 }
 
 void SideConnection::take_back() noexcept {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 
 #include "core/base/posix/descriptor.h"
@@ -40,6 +41,8 @@ class SideConnection {
   /// Hands the client its memory; from now on `user` is told what it says. False where the
   /// client has not even taken what it was sent before, or does not take this.
   bool hand_over(const SealedMemory& memory, std::weak_ptr<SideUser> user);
+  /// Tells the client something, in this order. False where it does not take that at once.
+  bool tell(std::span<const std::byte> message) noexcept;
   /// The memory has no user any more. A client that says anything before it is handed memory
   /// again is listened to no longer.
   void take_back() noexcept;

@@ -243,6 +243,7 @@ v1::MeshEvent ChunkStream::whole_header() const {
     v1::SharedMemory& memory = *event.mutable_header()->mutable_shared_memory();
     memory.set_block_bytes(static_cast<std::int64_t>(ring->size().block_bytes));
     memory.set_blocks(static_cast<std::int64_t>(ring->size().blocks));
+    memory.set_events(shared_.tells_beside() && next_ < end_);  // or there are none
   }
   return event;
 }
@@ -260,6 +261,7 @@ void ChunkStream::note_finish() {
 }
 
 bool ChunkStream::prepare() {
+  if (phase_ == Phase::kChunks && shared_.tells_beside()) tell_beside();
   written_ = phase_;
   return prepare_message();
 }
@@ -302,15 +304,14 @@ bool ChunkStream::after_write() {
     return true;
   }
   if (written_ == Phase::kChunks) after_chunk();
-  const bool sent_trailer = written_ == Phase::kTrailer;
-  if (next_ < end_) {
-    phase_ = Phase::kChunks;
-  } else if (end_ == chunk_count() && !sent_trailer) {
-    phase_ = Phase::kTrailer;
-  } else {
-    phase_ = Phase::kSent;
-  }
+  phase_ = written_ == Phase::kTrailer ? Phase::kSent : phase_of_next();
   return phase_ == Phase::kSent && all_acknowledged();
+}
+
+/// Behind a header or a chunk.
+ChunkStream::Phase ChunkStream::phase_of_next() const {
+  if (next_ < end_) return Phase::kChunks;
+  return end_ == chunk_count() ? Phase::kTrailer : Phase::kSent;
 }
 
 /// Counts the chunk that was written and reuses its slot.

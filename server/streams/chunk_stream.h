@@ -89,8 +89,9 @@ class ChunkStream : public StreamWriter {
 
   /// Why chunks cannot be in shared memory, whatever the client has asked for. With the lock.
   virtual absl::Status check_shareable() const { return absl::OkStatus(); }
-  /// The client asks for chunks in shared memory, or does not: see StreamRing.
-  void claim_memory(const std::string& token);
+  /// The client asks for chunks in shared memory, or does not, and for their events beside the
+  /// stream: see StreamRing.
+  void claim_memory(const std::string& token, bool events);
 
   /// What the client is told of what cannot be opened, where the call goes on all the same;
   /// nothing ends the call. With the lock.
@@ -144,6 +145,8 @@ class ChunkStream : public StreamWriter {
   void post_freed();
   void open_ring();
   bool all_acknowledged();
+  void tell_beside();
+  bool tell_of_chunk();
   ChunkRing::Events ring_events();
   v1::MeshEvent whole_header() const;
   void fill_slot(std::uint64_t index, Block block);
@@ -152,6 +155,7 @@ class ChunkStream : public StreamWriter {
   bool prepare() final;
   bool prepare_message();
   bool after_write() final;
+  Phase phase_of_next() const;
   void after_chunk();
   void note_end() final;
   void note_finish() final;

@@ -1,8 +1,13 @@
 // What a stream of chunks does about memory that it shares with its client.
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
+#include <grpcpp/support/slice.h>
+
+#include "proto/convert/status.h"
+#include "proto/wire/side_messages.h"
 #include "server/meshing/shared_chunk.h"
 #include "server/streams/chunk_stream.h"
 
@@ -13,11 +18,18 @@ namespace {
 /// Blocks of shared memory for each chunk that is made ahead.
 constexpr std::uint64_t kRingWindows = 2;
 
+/// It has room for a message about each block that it was told of.
+absl::Status does_not_listen() {
+  return with_reason(absl::CancelledError(
+                         "the client does not take what the socket of its shared memory says"),
+                     "CANCELLED");
+}
+
 }  // namespace
 
-void ChunkStream::claim_memory(const std::string& token) {
+void ChunkStream::claim_memory(const std::string& token, bool events) {
   const std::lock_guard lock(mutex_);
-  if (!ended()) shared_.claim(token);
+  if (!ended()) shared_.claim(token, events ? ChunkNews::kBeside : ChunkNews::kInStream);
 }
 
 /// A stream that has no shared memory is any other; the log says why.
@@ -55,6 +67,38 @@ ChunkRing::Events ChunkStream::ring_events() {
             stream->abandon();
             stream->close(why);
           }};
+}
+
+/// Tells of all chunks that are ready, without gRPC and its threads. What comes next is in the
+/// stream again: the trailer, the end, or a chunk that is in no block.
+void ChunkStream::tell_beside() {
+  while (phase_ == Phase::kChunks && slot_of(next_).ready) {
+    if (!tell_of_chunk()) return;
+  }
+  if (phase_ == Phase::kChunks) return;
+  if (!shared_.ring()->tell_beside(kNextIsInStream)) end(does_not_listen());
+  waits_ = phase_ == Phase::kSent;  // for the acknowledgements, of which the last is to come
+}
+
+/// False where the chunk is to be written to the stream, and after an end.
+bool ChunkStream::tell_of_chunk() {
+  grpc::ByteBuffer& event = slot_of(next_).made.event;
+  grpc::Slice bytes;
+  const bool fits =
+      event.Length() <= kMostSideEventBytes && event.DumpToSingleSlice(&bytes).ok();
+  const ChunkRing& ring = *shared_.ring();
+  if (fits) shared_.ring()->tell(next_ + 1);
+  const auto message = fits ? std::as_bytes(std::span(bytes.begin(), bytes.size()))
+                            : std::span<const std::byte>(kNextIsInStream);
+  if (!ring.tell_beside(message)) {
+    end(does_not_listen());
+    return false;
+  }
+  if (!fits) return false;
+  event.Clear();
+  after_chunk();
+  phase_ = phase_of_next();
+  return true;
 }
 
 /// A block of the ring is free.

@@ -38,7 +38,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
 void MeshStream::admitted() {
   if (!order_.mesh.digest.empty()) call_.note("grid", order_.mesh.digest);
   order_.mesh.space = call_.space();
-  claim_memory(order_.shared_memory);
+  claim_memory(order_.shared_memory, order_.shared_memory_events);
   watch_progress();
 }
 

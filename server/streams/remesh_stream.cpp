@@ -121,7 +121,7 @@ absl::Status RemeshStream::take_start(const v1::RemeshRequest& message) {
   started_ = true;
   tells_refusals_ = message.tell_refusals();
   if (message.loose_patches()) detail_ = PatchDetail::kSlices;
-  claim_memory(message.shared_memory());
+  claim_memory(message.shared_memory(), message.shared_memory_events());
   return within_field("start", take_start(message.start()));
 }
 

@@ -11,6 +11,9 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kPageBytes = 4096;
+/// So many messages fit into a connection that nobody reads, with all that the system counts
+/// for each.
+constexpr std::uint64_t kMostBeside = 128;
 /// Columns lie at aligned places, and blocks at pages.
 constexpr std::size_t kRingBlockBytes =
     (kChunkBytes + ChunkFrame::kColumns * ChunkFrame::kAlignment + kPageBytes - 1) /
@@ -18,8 +21,9 @@ constexpr std::size_t kRingBlockBytes =
 
 }  // namespace
 
-void StreamRing::claim(const std::string& token) {
+void StreamRing::claim(const std::string& token, ChunkNews news) {
   wanted_ = !token.empty();
+  news_ = news;
   if (wanted_ && engine_.shared_memory != nullptr) claim_ = engine_.shared_memory->claim(token);
 }
 
@@ -32,7 +36,9 @@ absl::Status StreamRing::open(const std::string& client,
   }
   auto taken = memory(client, {blocks, kRingBlockBytes});
   if (!taken.ok()) return taken.status();
-  ring_ = ChunkRing::open(claim_.connection(), *std::move(taken), first, std::move(events));
+  const ChunkNews news = (*taken)->size().blocks > kMostBeside ? ChunkNews::kInStream : news_;
+  ring_ =
+      ChunkRing::open(claim_.connection(), *std::move(taken), first, news, std::move(events));
   if (ring_ == nullptr) {
     return absl::UnavailableError("the client does not take shared memory");
   }

@@ -19,8 +19,9 @@ class StreamRing {
  public:
   explicit StreamRing(MeshEngine& engine) : engine_(engine) {}
 
-  /// The client has asked for shared memory with what it was told, which may be nothing.
-  void claim(const std::string& token);
+  /// The client has asked for shared memory with what it was told, which may be nothing, and to
+  /// hear of chunks like that.
+  void claim(const std::string& token, ChunkNews news);
   bool is_wanted() const noexcept { return wanted_; }
 
   /// Hands the client a ring of at least so many blocks for chunks from `first` on: what its
@@ -34,6 +35,10 @@ class StreamRing {
                     ChunkRing::Events events);
   /// Null where chunks go without.
   const std::shared_ptr<ChunkRing>& ring() const noexcept { return ring_; }
+  /// Whether the client hears of chunks through its connection.
+  bool tells_beside() const noexcept {
+    return ring_ != nullptr && ring_->news() == ChunkNews::kBeside;
+  }
 
   /// Whether chunks that were told of are not yet acknowledged.
   bool is_awaited() const { return ring_ != nullptr && !ring_->is_drained(); }
@@ -47,6 +52,7 @@ class StreamRing {
 
   MeshEngine& engine_;
   SideClaim claim_;
+  ChunkNews news_ = ChunkNews::kInStream;
   std::shared_ptr<ChunkRing> ring_;
   bool wanted_ = false, counted_ = false;
 };

@@ -79,6 +79,7 @@ Goal goal_of(const Claim& claim, const Arguments& arguments, std::size_t which) 
   if (which >= 2) goal.displacement = kStoredDisplacement;
   const AngleBounds& bounds = which >= 2 ? claim.stored : claim.exact;
   if (!arguments.full) goal.enough_deg = which % 2 == 0 ? bounds.min_deg : bounds.max_deg;
+  goal.refute = false;
   goal.tolerance_deg = arguments.tolerance_deg;
   return goal;
 }

@@ -72,7 +72,7 @@ class Search {
   Certified run() {
     if (goal_.enough_deg > 0) enough_ = badness(cotangent_of(goal_.enough_deg)).lower();
     push_roots();
-    while (!queue_.empty() && boxes_ < goal_.max_boxes) {
+    while (!queue_.empty() && boxes_ < goal_.max_boxes && !is_refuted()) {
       const Node node = queue_.top();
       queue_.pop();
       if (!done_with(node)) split(node);
@@ -83,6 +83,10 @@ class Search {
   }
 
  private:
+  bool looks_at_points() const { return goal_.refute || !(goal_.enough_deg > 0); }
+  /// Some point is worse than what was to be proven.
+  bool is_refuted() const { return goal_.enough_deg > 0 && seen_ > enough_; }
+
   const Problem& problem_of(const Node& node) const { return problems_[node.problem]; }
   const Tet& tet_of(const Node& node) const { return problem_of(node).tets[node.tet]; }
   Interval badness(const Interval& cotangent) const {
@@ -164,7 +168,7 @@ class Search {
     for (int round = 0; round < kRounds && fix_monotone(node, over_box); ++round) {
       over_box = enclose_dihedral(tet_of(node), node.angle, node.box, 0);
     }
-    look_at_worst_corner(node, over_box);
+    if (looks_at_points()) look_at_worst_corner(node, over_box);
     if (over_box.positive && !lower_bound_of(node, over_box)) return false;
     node.split_at = parameter_to_split(node, over_box);
     return true;

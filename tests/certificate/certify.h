@@ -20,13 +20,18 @@ struct Goal {
   /// as the tolerance asks.
   double enough_deg = 0;
   double tolerance_deg = 0.005;
+  /// With `enough_deg`: look at single points too, which takes about as long again, for
+  /// `attained_deg`; and stop where one of them is worse than enough, as nothing proves it
+  /// then. Without, it is their worst that says when a bound is near enough.
+  bool refute = true;
   /// Give up after this many boxes: the bound holds then too, but is worse than it could be.
   std::size_t max_boxes = 20'000'000;
 };
 
 struct Certified {
-  double bound_deg = 0;     ///< proven, rounded to the safe side to 0.001
-  double attained_deg = 0;  ///< about the worst angle seen at a single point
+  double bound_deg = 0;  ///< proven, rounded to the safe side to 0.001
+  double attained_deg =
+      0;  ///< about the worst angle seen at a single point, if any was looked at
   std::size_t boxes = 0;
 };
 

@@ -11,23 +11,43 @@ namespace {
 bool is_still(const Place& along) { return (along[0] | along[1] | along[2]) == 0; }
 
 /// What leads from one corner to another: a parameter that moves both counts once.
-IntervalVector from_to(const Corner& from, const Corner& to, const Box& box, double blur) {
-  IntervalVector way;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    way[axis] = Interval(to.base[axis] - from.base[axis]);
-  }
-  for (std::size_t k = 0; k < kParameters; ++k) {
-    const Place &there = to.along[k], &here = from.along[k];
-    const Place along{there[0] - here[0], there[1] - here[1], there[2] - here[2]};
-    if (is_still(along)) continue;
+class Way {
+ public:
+  Way(const Corner& from, const Corner& to) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (along[axis] != 0) way[axis] += static_cast<double>(along[axis]) * box[k];
+      base_[axis] = to.base[axis] - from.base[axis];
+    }
+    for (std::size_t k = 0; k < kParameters; ++k) {
+      const Place &there = to.along[k], &here = from.along[k];
+      const Place along{there[0] - here[0], there[1] - here[1], there[2] - here[2]};
+      if (!is_still(along)) moving_[count_++] = {along, k};
     }
   }
-  if (blur == 0) return way;
-  for (Interval& coordinate : way) coordinate += Interval(-blur, blur) - Interval(-blur, blur);
-  return way;
-}
+
+  IntervalVector over(const Box& box, double blur) const {
+    IntervalVector way{Interval(base_[0]), Interval(base_[1]), Interval(base_[2])};
+    for (std::size_t i = 0; i < count_; ++i) {
+      const auto& [along, k] = moving_[i];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (along[axis] != 0) way[axis] += static_cast<double>(along[axis]) * box[k];
+      }
+    }
+    if (blur == 0) return way;
+    for (Interval& coordinate : way) {
+      coordinate += Interval(-blur, blur) - Interval(-blur, blur);
+    }
+    return way;
+  }
+
+ private:
+  struct Moving {
+    Place along;
+    std::size_t parameter;
+  };
+  Place base_;
+  std::array<Moving, kParameters> moving_;
+  std::size_t count_ = 0;
+};
 
 /// The corners at an angle: its edge from a to b, then c and d, so that the tet a, b, c, d is
 /// an even permutation of the given one.
@@ -49,9 +69,9 @@ struct Hinge {
 
   Hinge(const Tet& tet, std::size_t angle, const Box& box, double blur) {
     const auto [a, b, c, d] = kAngleCorners[angle];
-    e = from_to(tet[a], tet[b], box, blur);
-    p = from_to(tet[a], tet[c], box, blur);
-    q = from_to(tet[a], tet[d], box, blur);
+    e = Way(tet[a], tet[b]).over(box, blur);
+    p = Way(tet[a], tet[c]).over(box, blur);
+    q = Way(tet[a], tet[d]).over(box, blur);
     u = cross(e, p);
     v = cross(e, q);
     six_volumes = dot(u, q);
@@ -87,14 +107,6 @@ bool moves_on_a_line(const Tet& tet, std::size_t k) {
   return true;
 }
 
-/// Six volumes as Hinge has them for the first angle.
-Interval volume_over(const Tet& tet, const Box& box, double blur) {
-  const auto [a, b, c, d] = kAngleCorners[0];
-  const IntervalVector e = from_to(tet[a], tet[b], box, blur);
-  return certificate::dot(cross(e, from_to(tet[a], tet[c], box, blur)),
-                          from_to(tet[a], tet[d], box, blur));
-}
-
 /// Six volumes over a box, from its vertices: exact but for the blur and for rounding, as each
 /// parameter's part is linear. Nothing is known of other tets.
 Interval volume_from_vertices(const Tet& tet, const Box& box, double blur) {
@@ -104,6 +116,8 @@ Interval volume_from_vertices(const Tet& tet, const Box& box, double blur) {
     if (!moves_on_a_line(tet, k)) return {-kInfinity, kInfinity};
     if (box[k].lower() < box[k].upper()) open[count++] = k;
   }
+  const auto [a, b, c, d] = kAngleCorners[0];
+  const Way e(tet[a], tet[b]), p(tet[a], tet[c]), q(tet[a], tet[d]);
   Interval hull;
   for (std::size_t vertex = 0; vertex < std::size_t{1} << count; ++vertex) {
     Box at = box;
@@ -111,7 +125,9 @@ Interval volume_from_vertices(const Tet& tet, const Box& box, double blur) {
       const Interval& range = box[open[i]];
       at[open[i]] = Interval((vertex >> i & 1) != 0 ? range.upper() : range.lower());
     }
-    const Interval here = volume_over(tet, at, blur);
+    // Six volumes as Hinge has them for the first angle.
+    const Interval here =
+        certificate::dot(cross(e.over(at, blur), p.over(at, blur)), q.over(at, blur));
     hull = vertex == 0 ? here : boost::numeric::hull(hull, here);
   }
   return hull;

@@ -102,6 +102,7 @@ class Prover {
     goal.extreme = extreme;
     goal.enough_deg =
         extreme == Extreme::kLeast ? arguments_.least_deg : arguments_.greatest_deg;
+    goal.refute = false;
     if (arguments_.stored) goal.displacement = kStoredDisplacement;
     return goal;
   }

@@ -39,6 +39,7 @@ bool are_proven(const std::vector<Problem>& problems, std::size_t max_boxes) {
     const AngleBounds bounds = angle_bounds(Preset::kBothSides, type);
     Goal goal;
     goal.max_boxes = max_boxes;
+    goal.refute = false;
     goal.displacement = type == CoordinateType::kFloat32 ? kStoredDisplacement : 0;
     goal.enough_deg = bounds.min_deg;
     if (certify(problems, goal).bound_deg < bounds.min_deg) return false;

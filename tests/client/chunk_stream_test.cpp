@@ -118,7 +118,7 @@ TEST_F(ChunkStreamTest, HaveTheValuesOfFields) {
 }
 
 TEST_F(ChunkStreamTest, AreMadeAsTheyAreTaken) {
-  const auto held = chunks_of(uniform_ball(60));  // 150 MB: more than can be on its way
+  const auto held = chunks_of(uniform_ball(48));  // 75 MB: more than can be on its way
   const auto header = held->header();
   ASSERT_TRUE(header.ok()) << header.status();
   const auto count = static_cast<std::int64_t>((*header)->chunk_count);
@@ -136,7 +136,7 @@ TEST_F(ChunkStreamTest, AreMadeAsTheyAreTaken) {
 }
 
 TEST_F(ChunkStreamTest, GiveTheServersPlaceBackWhenTheyAreGivenUp) {
-  auto source = chunks_of(uniform_ball(60));
+  auto source = chunks_of(uniform_ball(48));
   const auto chunk = source->next();
   ASSERT_TRUE(chunk.ok() && *chunk != nullptr) << chunk.status();
   EXPECT_EQ(activity().meshes, 1);
@@ -145,11 +145,15 @@ TEST_F(ChunkStreamTest, GiveTheServersPlaceBackWhenTheyAreGivenUp) {
 }
 
 TEST_F(ChunkStreamTest, GoOnWhereAConnectionBroke) {
-  const v1::MeshRequest ball = uniform_ball(40);
+  const v1::MeshRequest ball = uniform_ball(28);
   const auto whole = client_->stream_mesh(ball, {}, never_);
   ASSERT_TRUE(whole.ok()) << whole.status();
-  for (const auto encoding : {v1::ENCODING_PLAIN, v1::ENCODING_PACKED, v1::ENCODING_COMPACT}) {
-    const std::uint64_t down = encoding == v1::ENCODING_PLAIN ? 20'000'000 : 200'000;
+  // Each lets some chunks through, and not half of the mesh.
+  using Cut = std::pair<v1::Encoding, std::uint64_t>;
+  for (const auto& cut : {Cut{v1::ENCODING_PLAIN, 7'000'000}, Cut{v1::ENCODING_PACKED, 300'000},
+                          Cut{v1::ENCODING_COMPACT, 50'000}}) {
+    const auto encoding = cut.first;
+    const std::uint64_t down = cut.second;
     CuttingProxy proxy(server_->port(), kAnyNumber, down);
     const auto client =
         MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
@@ -161,7 +165,7 @@ TEST_F(ChunkStreamTest, GoOnWhereAConnectionBroke) {
 }
 
 TEST_F(ChunkStreamTest, GoOnWhenTheServerIsBack) {
-  const v1::MeshRequest ball = uniform_ball(60);
+  const v1::MeshRequest ball = uniform_ball(48);
   const auto source = chunks_of(ball);
   const auto header = source->header();
   ASSERT_TRUE(header.ok()) << header.status();

@@ -76,7 +76,8 @@ class Convert(CommandTest):
             f"v {500000 + x} {5000000 + y} {z}\n" for z in (0, 1) for y in (0, 1) for x in (0, 1)) +
             CUBE[CUBE.index("f"):] + LID)
         for voxel in ("0.05", None):
-            arguments = ["--voxel", voxel] if voxel else []
+            # Of the voxel that it takes by itself the mesh need not be as fine.
+            arguments = ["--voxel", voxel] if voxel else ["--spacing", "0.04"]
             result = self.mesh("utm.obj", ".vtu", *arguments, "--report", self.out / "r.json")
             self.assert_done(result)
             report = json.loads((self.out / "r.json").read_text())

@@ -8,10 +8,9 @@ import json
 import math
 import unittest
 
-import meshio
 import numpy
 
-from command_case import ENDINGS, REFUSED, CommandTest, ServerTest
+from command_case import ENDINGS, REFUSED, CommandTest, ServerTest, read_mesh
 from job_case import JobTest
 
 HALF = ("--box", *"0 -2 -2 2 2 2".split())  # of a sphere of radius 1
@@ -33,7 +32,7 @@ class Cuts(CommandTest):
         self.assertAlmostEqual(told["volume"], 2 / 3 * math.pi, delta=0.01)
         self.assertEqual(told["boundary"]["euler_characteristic"], 2)
         self.assertGreaterEqual(told["min_dihedral_deg"], 4)
-        mesh = meshio.read(self.out / "mesh.vtu")
+        mesh = read_mesh(self.out / "mesh.vtu")
         in_face = mesh.point_data["cut_face"] == IN_LOWER_X
         self.assertTrue((mesh.points[in_face, 0] == 0).all())
         self.assertTrue((mesh.points[~in_face, 0] > 0).all())
@@ -41,7 +40,7 @@ class Cuts(CommandTest):
 
     def test_are_physical_surfaces_of_a_msh(self):
         self.assert_done(self.mesh("sphere.vdb", ".msh", *HALF))
-        mesh = meshio.read(self.out / "mesh.msh")
+        mesh = read_mesh(self.out / "mesh.msh")
         names = {name: tuple(tag) for name, tag in mesh.field_data.items()}
         self.assertEqual(
             {name: dimension for name, (_, dimension) in names.items()},

@@ -8,10 +8,9 @@ import json
 import pathlib
 import unittest
 
-import meshio
 import numpy
 
-from command_case import REFUSED, CommandTest, ServerTest
+from command_case import REFUSED, CommandTest, ServerTest, read_mesh
 from job_case import JobTest
 
 HALF = ("--box", "0", "-2", "-2", "2", "2", "2")
@@ -19,7 +18,7 @@ HALF = ("--box", "0", "-2", "-2", "2", "2", "2")
 
 def triangles_by_name(path):
     """{name: (n, 3) points of the triangles' corners, one after the other}"""
-    mesh = meshio.read(path)
+    mesh = read_mesh(path)
     triangles = {}
     for name, (tag, dimension) in mesh.field_data.items():
         if dimension != 2:

@@ -8,13 +8,9 @@ import json
 import math
 import unittest
 
-import meshio
-import nibabel
 import numpy
-import vtk
-from vtk.util import numpy_support
 
-from command_case import REFUSED, CommandTest, ServerTest
+from command_case import REFUSED, CommandTest, ServerTest, read_mesh
 from image_files import CENTRE, NRRD_TYPES, SEMI_AXES, ellipsoid, meta, nifti, nrrd, oblique
 
 VOLUME = 4 / 3 * math.pi * math.prod(SEMI_AXES)
@@ -31,14 +27,32 @@ def farthest_from_ellipsoid(points):
     return float(numpy.max(numpy.abs(radius - 1) / slope))
 
 
+# Each class loads of VTK and nibabel what it takes: all of VTK is a second of a processor.
+
+
 def surface_points(path):
     """Points of the mesh's boundary, by VTK's reader."""
-    reader = vtk.vtkXMLUnstructuredGridReader()
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+    reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(path))
-    faces = vtk.vtkDataSetSurfaceFilter()
+    faces = vtkDataSetSurfaceFilter()
     faces.SetInputConnection(reader.GetOutputPort())
     faces.Update()
-    return numpy_support.vtk_to_numpy(faces.GetOutput().GetPoints().GetData()).astype(float)
+    return vtk_to_numpy(faces.GetOutput().GetPoints().GetData()).astype(float)
+
+
+def vtk_image(values, spacing, origin):
+    """As VTK has it, with the values as its scalars."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    image = vtkImageData()
+    image.SetDimensions(values.shape)
+    image.SetSpacing(spacing)
+    image.SetOrigin(origin)
+    image.GetPointData().SetScalars(numpy_to_vtk(values.reshape(-1, order="F"), deep=True))
+    return image
 
 
 class ImageCase(CommandTest):
@@ -54,6 +68,11 @@ class ImageCase(CommandTest):
                                 *(options or ISO))
         self.assert_done(result)
         return json.loads(report.read_text())
+
+    def mesh_bytes(self, path, *options):
+        """The mesh's file. Without a report, which takes longer than the mesh."""
+        self.assert_done(self.tetstream("mesh", path, "-o", self.out / "mesh.vtu", *(options or ISO)))
+        return (self.out / "mesh.vtu").read_bytes()
 
     def assert_is_the_ellipsoid(self, path, spacing, *options):
         """Within a tenth of a spacing of the truth, in the coordinates of the image's file, and
@@ -119,7 +138,7 @@ class ImageVoxels(ImageCase):
         path = self.write("both.nii", nifti(values.astype("f4"), affine))
         report = self.mesh_image(path, "--iso", "100", "--inside", "above", "--levels", "max",
                                  "--preset", "both-sides")
-        mesh = meshio.read(self.out / "mesh.vtu")
+        mesh = read_mesh(self.out / "mesh.vtu")
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         last = affine[:3, 3] + numpy.diag(CT) @ (numpy.array(values.shape) - 1)
         self.assertTrue(numpy.all(low <= affine[:3, 3]) and numpy.all(high >= last))
@@ -128,17 +147,15 @@ class ImageVoxels(ImageCase):
     def test_give_the_same_bytes_on_any_number_of_threads(self):
         values, affine = ellipsoid(oblique(CT))
         path = self.write("threads.nii", nifti(values.astype("f4"), affine))
-        made = []
-        for threads in (1, 2):
-            self.mesh_image(path, *ISO, "--threads", threads)
-            made.append((self.out / "mesh.vtu").read_bytes())
-        self.assertEqual(made[0], made[1])
+        one, two = (self.mesh_bytes(path, *ISO, "--threads", threads) for threads in (1, 2))
+        self.assertEqual(one, two)
 
 
 class ImageJudges(ImageCase):
     """Other libraries say where an image lies in the world."""
 
     def test_nibabel_writes_what_is_read(self):
+        import nibabel
         values, affine = ellipsoid(oblique(CT))
         for name, form in (("sform", "set_sform"), ("qform", "set_qform")):
             image = nibabel.Nifti1Image(numpy.round(values * 10).astype("i2"), affine)
@@ -146,49 +163,46 @@ class ImageJudges(ImageCase):
             image.set_sform(None, 0)
             image.set_qform(None, 0)
             getattr(image, form)(affine, 1)
-            for ending in (".nii", ".nii.gz"):
-                with self.subTest(name + ending):
-                    path = self.inputs / (name + ending)
-                    nibabel.save(image, path)
-                    self.assert_is_the_ellipsoid(path, 0.4)
+            with self.subTest(name):
+                plain, packed = (self.inputs / (name + ending) for ending in (".nii", ".nii.gz"))
+                nibabel.save(image, plain)
+                self.assert_is_the_ellipsoid(plain, 0.4)
+                nibabel.save(image, packed)
+                self.assertEqual((self.out / "mesh.vtu").read_bytes(), self.mesh_bytes(packed))
         image = nibabel.Nifti2Image(values.astype("f8"), affine)
         nibabel.save(image, self.inputs / "second.nii")
         self.assert_is_the_ellipsoid(self.inputs / "second.nii", 0.4)
 
     def test_vtk_writes_what_is_read(self):
+        from vtkmodules.vtkIOCore import vtkZLibDataCompressor
+        from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
         values, affine = ellipsoid(numpy.diag(CT))
-        image = vtk.vtkImageData()
-        image.SetDimensions(values.shape)
-        image.SetSpacing(CT)
-        image.SetOrigin(affine[:3, 3])
-        array = numpy_support.numpy_to_vtk(values.astype("f4").reshape(-1, order="F"), deep=True)
-        array.SetName("density")
-        image.GetPointData().SetScalars(array)
+        image = vtk_image(values.astype("f4"), CT, affine[:3, 3])
+        image.GetPointData().GetScalars().SetName("density")
+        made = set()  # of all of them one mesh: whose points are the ellipsoid's
         for mode in ("Ascii", "Binary", "Appended"):
             for compressed in (False, True):
                 for order in ("LittleEndian", "BigEndian"):
                     with self.subTest(f"{mode} {compressed} {order}"):
                         path = self.inputs / "vtk.vti"
-                        writer = vtk.vtkXMLImageDataWriter()
+                        writer = vtkXMLImageDataWriter()
                         writer.SetFileName(str(path))
                         writer.SetInputData(image)
                         getattr(writer, f"SetDataModeTo{mode}")()
                         getattr(writer, f"SetByteOrderTo{order}")()
-                        writer.SetCompressor(vtk.vtkZLibDataCompressor() if compressed else None)
+                        writer.SetCompressor(vtkZLibDataCompressor() if compressed else None)
                         writer.Write()
-                        self.assert_is_the_ellipsoid(path, 0.4)
+                        made.add(self.mesh_bytes(path))
+        self.assertEqual(len(made), 1)
+        self.assert_is_the_ellipsoid(path, 0.4)
 
     def test_vtk_turns_an_image_as_its_file_says(self):
+        from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
         linear = oblique(CUBES)
         values, affine = ellipsoid(linear)
-        image = vtk.vtkImageData()
-        image.SetDimensions(values.shape)
-        image.SetSpacing(CUBES)
-        image.SetOrigin(affine[:3, 3])
+        image = vtk_image(values, CUBES, affine[:3, 3])
         image.SetDirectionMatrix(*(linear / CUBES[0]).reshape(-1))
-        array = numpy_support.numpy_to_vtk(values.reshape(-1, order="F"), deep=True)
-        image.GetPointData().SetScalars(array)
-        writer = vtk.vtkXMLImageDataWriter()
+        writer = vtkXMLImageDataWriter()
         writer.SetFileName(str(self.inputs / "turned.vti"))
         writer.SetInputData(image)
         writer.EncodeAppendedDataOff()
@@ -196,9 +210,10 @@ class ImageJudges(ImageCase):
         self.assert_is_the_ellipsoid(self.inputs / "turned.vti", 0.5)
 
     def test_vtk_reads_the_same_meta_image(self):
+        from vtkmodules.vtkIOImage import vtkMetaImageReader
         values, affine = ellipsoid(numpy.diag(CT))
         path = self.write("judged.mha", meta(values.astype("f4"), affine))
-        reader = vtk.vtkMetaImageReader()
+        reader = vtkMetaImageReader()
         reader.SetFileName(str(path))
         reader.Update()
         image = reader.GetOutput()
@@ -211,14 +226,12 @@ class ImageFormats(ImageCase):
     """Every way of writing the same numbers is one mesh."""
 
     def assert_same(self, path, expected):
-        self.mesh_image(path)
-        self.assertEqual((self.out / "mesh.vtu").read_bytes(), expected)
+        self.assertEqual(self.mesh_bytes(path), expected)
 
     def test_of_all_types_and_both_orders_of_bytes(self):
         values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
         whole = numpy.clip(numpy.round(values), 1, 127)
-        self.mesh_image(self.write("first.nrrd", nrrd(whole.astype("f4"), affine)))
-        expected = (self.out / "mesh.vtu").read_bytes()
+        expected = self.mesh_bytes(self.write("first.nrrd", nrrd(whole.astype("f4"), affine)))
         for code in NRRD_TYPES:
             for order in "<>":
                 typed = whole.astype(code)
@@ -231,8 +244,7 @@ class ImageFormats(ImageCase):
     def test_of_all_encodings(self):
         values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
         whole = numpy.clip(numpy.round(values), 1, 127).astype("i2")
-        self.mesh_image(self.write("raw.nrrd", nrrd(whole, affine)))
-        expected = (self.out / "mesh.vtu").read_bytes()
+        expected = self.mesh_bytes(self.write("raw.nrrd", nrrd(whole, affine)))
         for name, data in (("gz.nrrd", nrrd(whole, affine, encoding="gzip")),
                            ("text.nrrd", nrrd(whole, affine, encoding="ascii")),
                            ("packed.nii.gz", gzip.compress(nifti(whole, affine))),
@@ -243,8 +255,7 @@ class ImageFormats(ImageCase):
     def test_of_two_files_are_joined(self):
         values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
         whole = numpy.clip(numpy.round(values), 1, 127).astype("i2")
-        self.mesh_image(self.write("one.nrrd", nrrd(whole, affine)))
-        expected = (self.out / "mesh.vtu").read_bytes()
+        expected = self.mesh_bytes(self.write("one.nrrd", nrrd(whole, affine)))
         data = whole.astype("<i2").tobytes(order="F")
         self.write("part.raw", data)
         self.write("skipped.raw", b"12345" + data)
@@ -281,8 +292,8 @@ class ImageFormats(ImageCase):
                             ("f.npy", numpy.asfortranarray(values.astype(">f4")))):
             with self.subTest(name):
                 numpy.save(self.inputs / name, array)
-                self.mesh_image(self.inputs / name)
-                box = meshio.read(self.out / "mesh.vtu").points
+                self.mesh_bytes(self.inputs / name)
+                box = read_mesh(self.out / "mesh.vtu").points
                 extent = (box.max(axis=0) - box.min(axis=0)) / 2
                 numpy.testing.assert_allclose(extent, SEMI_AXES, atol=0.2)
 
@@ -297,8 +308,7 @@ class ImageFormats(ImageCase):
         self.assertIn("RAS", self.tetstream("info", image).stdout)
         converted = (self.out / "mesh.vtu").read_bytes()
         place = ("--axes", "zyx", "--spacing3", *CT, "--origin", *affine[:3, 3])
-        self.mesh_image(self.inputs / "zyx.npy", *ISO, *place)
-        self.assertEqual((self.out / "mesh.vtu").read_bytes(), converted)
+        self.assertEqual(self.mesh_bytes(self.inputs / "zyx.npy", *ISO, *place), converted)
         self.assert_done(self.tetstream("estimate", self.inputs / "zyx.npy", *ISO, *place))
         result = self.tetstream("mesh", image, "-o", self.out / "x.vtu", *place)
         self.assertEqual(result.returncode, REFUSED)
@@ -337,6 +347,7 @@ class ImageInfo(ImageCase):
         self.assertIn("0.4 x 0.4 x 0.8", self.tetstream("info", scan).stdout)
 
     def test_agrees_with_nibabel_on_the_axes(self):
+        import nibabel
         generator = numpy.random.default_rng(7)
         for _ in range(8):
             order, signs = generator.permutation(3), generator.choice([-1.0, 1.0], 3)
@@ -395,6 +406,7 @@ class ImageRefusals(ImageCase):
                 self.assert_refused(self.write(name, data), "is not a readable image")
 
     def test_are_of_more_than_three_dimensions(self):
+        import nibabel
         for shape in ((4, 4, 4, 2), (4, 4, 4, 1, 3)):
             nibabel.save(nibabel.Nifti1Image(numpy.zeros(shape, "f4"), numpy.eye(4)),
                          self.inputs / "time.nii")

@@ -8,10 +8,9 @@ import json
 import pathlib
 import unittest
 
-import meshio
 import numpy
 
-from command_case import REFUSED, USAGE, CommandTest, ServerTest
+from command_case import REFUSED, USAGE, CommandTest, ServerTest, read_mesh
 from job_case import JobTest
 from image_files import CENTRE, SEMI_AXES, ellipsoid, meta, nifti, nrrd, oblique
 
@@ -75,7 +74,7 @@ class LabelCase(CommandTest):
         self.assert_fails(result, code, *words)
 
     def labels_of_file(self):
-        mesh = meshio.read(self.out / "mesh.vtu")
+        mesh = read_mesh(self.out / "mesh.vtu")
         return mesh, numpy.concatenate(mesh.cell_data["label"])
 
 

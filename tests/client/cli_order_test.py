@@ -8,10 +8,9 @@ import json
 import math
 import unittest
 
-import meshio
 import numpy
 
-from command_case import REFUSED, USAGE, CommandTest, ServerTest
+from command_case import REFUSED, USAGE, CommandTest, ServerTest, read_mesh
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 ORDER = ("--spacing", "0.2", "--order", "2")
@@ -51,7 +50,7 @@ class SecondOrder(CommandTest):
         error["2"] = abs(told["second_order"]["volume"] - exact)
         self.assertLess(error["2"], error["1"] / 5)  # voxels are flat between each other
         self.assertGreaterEqual(told["second_order"]["least_jacobian_share"], 0.199)
-        mesh = meshio.read(self.out / "mesh.vtu")
+        mesh = read_mesh(self.out / "mesh.vtu")
         self.assertEqual([block.type for block in mesh.cells], ["tetra10"])
         self.assertEqual(len(mesh.points), told["second_order"]["nodes"])
         self.assertAlmostEqual(volume_of(mesh.points, mesh.cells[0].data),
@@ -60,14 +59,14 @@ class SecondOrder(CommandTest):
     def test_is_the_same_in_both_formats(self):
         self.assert_done(self.mesh("sphere.vdb", ".vtu", *ORDER))
         self.assert_done(self.mesh("sphere.vdb", ".msh", *ORDER))
-        vtu, msh = meshio.read(self.out / "mesh.vtu"), meshio.read(self.out / "mesh.msh")
+        vtu, msh = read_mesh(self.out / "mesh.vtu"), read_mesh(self.out / "mesh.msh")
         numpy.testing.assert_allclose(vtu.points, msh.points, atol=1e-6)
         # meshio brings Gmsh's order of nodes into VTK's.
         numpy.testing.assert_array_equal(vtu.cells_dict["tetra10"], msh.cells_dict["tetra10"])
 
     def test_has_curved_triangles_and_flat_ones_where_a_box_cuts(self):
         self.assert_done(self.mesh("sphere.vdb", ".msh", *ORDER, "--box", *"0 -2 -2 2 2 2".split()))
-        mesh = meshio.read(self.out / "mesh.msh")
+        mesh = read_mesh(self.out / "mesh.msh")
         tag = mesh.field_data["cut_x_min"][0]
         for block, tags in zip(mesh.cells, mesh.cell_data["gmsh:physical"]):
             if block.type == "triangle6":

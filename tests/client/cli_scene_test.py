@@ -71,7 +71,7 @@ class Scenes(SceneTest):
             if path.stem in endless:
                 continue
             with self.subTest(path.name):
-                report = self.report(path, "--spacing", "0.06")
+                report = self.report(path, "--spacing", "0.08")
                 self.assertGreaterEqual(report["min_dihedral_deg"], 11.2)
                 self.assertLessEqual(report["max_dihedral_deg"], 154.9)
                 if path.stem in euler:
@@ -128,7 +128,7 @@ class ScenesOfGrids(SceneTest):
 
     def test_bores_a_hole_through_a_grid(self):
         for options in ((), ("--trust",)):
-            report = self.report(self.write_scene(bored("sphere.vdb")), *options)
+            report = self.report(self.write_scene(bored("sphere.vdb")), "--spacing", "0.04", *options)
             self.assertEqual(report["boundary"]["euler_characteristic"], 0)
             ring = 4 / 3 * math.pi * (1 - 0.4**2)**1.5
             self.assertAlmostEqual(report["volume"], ring, delta=0.01 * ring)
@@ -144,7 +144,7 @@ class ScenesOfGrids(SceneTest):
         self.assertGreaterEqual(report["min_dihedral_deg"], 11.2)
 
     def test_takes_another_iso_value(self):
-        smaller = self.report(self.write_scene(bored("sphere.vdb", iso=-0.1)))
+        smaller = self.report(self.write_scene(bored("sphere.vdb", iso=-0.1)), "--spacing", "0.04")
         ring = 4 / 3 * math.pi * (0.9**2 - 0.4**2)**1.5
         self.assertAlmostEqual(smaller["volume"], ring, delta=0.01 * ring)
 

@@ -56,7 +56,7 @@ class Secure(CommandTest):
         address = f"127.0.0.1:{unused_port()}"
         server = subprocess.Popen(
             [binaries() / "tetstreamd", "--listen", address, "--store", name,
-             "--port-file", f"{name}.port", *options],
+             "--lame-duck-seconds", "0", "--port-file", f"{name}.port", *options],
             cwd=cls.inputs, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
         def stop():

@@ -6,10 +6,9 @@
 import json
 import unittest
 
-import meshio
 import numpy
 
-from command_case import REFUSED, CommandTest, ServerTest
+from command_case import REFUSED, CommandTest, ServerTest, read_mesh
 from job_case import JobTest
 
 PLANET = {"nodes": [
@@ -53,7 +52,7 @@ class SolidLabels(SolidCase):
                          [(1, "ball"), (2, "ring"), (3, "cloud"), (4, "twin")])
         for label in labels[:3]:
             self.assertGreater(label["volume"], 1)
-        mesh = meshio.read(self.out / "mesh.vtu")
+        mesh = read_mesh(self.out / "mesh.vtu")
         self.assertLessEqual(set(numpy.concatenate(mesh.cell_data["label"])), {1, 2, 3, 4})
 
     def test_are_chosen_and_named_as_any_labels(self):

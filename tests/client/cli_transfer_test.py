@@ -5,10 +5,9 @@
 
 import unittest
 
-import meshio
 import numpy
 
-from command_case import REFUSED, USAGE, CommandTest
+from command_case import REFUSED, USAGE, CommandTest, read_mesh
 
 
 class Transfer(CommandTest):
@@ -38,7 +37,7 @@ class Transfer(CommandTest):
         done = self.transfer()
         self.assert_done(done)
         self.assertIn("heat (points): integral", done.stdout)
-        old, new, filled = (meshio.read(self.out / f"{name}.vtu") for name in ("old", "new", "filled"))
+        old, new, filled = (read_mesh(self.out / f"{name}.vtu") for name in ("old", "new", "filled"))
         self.assertEqual(sorted(filled.point_data), ["heat", "own"])
         numpy.testing.assert_allclose(filled.points, new.points, atol=1e-6)
         numpy.testing.assert_array_equal(filled.cells[0].data, new.cells[0].data)
@@ -54,7 +53,7 @@ class Transfer(CommandTest):
         self.assert_done(done)
         told = done.stdout.split("integral ")[1].split()
         self.assertAlmostEqual(float(told[0].rstrip(",")), float(told[2]), delta=1e-8)
-        old, filled = (meshio.read(self.out / f"{name}.vtu") for name in ("old", "filled"))
+        old, filled = (read_mesh(self.out / f"{name}.vtu") for name in ("old", "filled"))
         self.assertLessEqual(filled.point_data["heat"].max(), old.point_data["heat"].max() + 1e-6)
 
     def test_is_refused_where_there_is_nothing_to_transfer(self):

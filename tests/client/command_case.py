@@ -13,7 +13,7 @@ from waiting import (  # noqa: E402 (re-exported)
     GENEROUS_END, catches, processor_seconds, samples_of, unused_port, wait_until)
 
 __all__ = ["CUBE", "DONE", "ENDINGS", "GENEROUS_END", "LID", "REFUSED", "SERVER", "USAGE", "CommandTest",
-           "ServerTest", "binaries", "catches", "processor_seconds", "samples_of",
+           "ServerTest", "binaries", "catches", "processor_seconds", "read_mesh", "samples_of",
            "unused_port", "wait_until"]
 
 DONE, REFUSED, USAGE, SERVER = 0, 1, 2, 3
@@ -30,6 +30,12 @@ LID = "f 2 4 8 6\n"
 def binaries():
     """Where tetstream, tetstreamd and make_fixture are."""
     return pathlib.Path(os.environ["TETSTREAM_BIN"])
+
+
+def read_mesh(path):
+    """What meshio finds in a mesh's file. It takes half a second of a processor to load, which most tests need not."""
+    import meshio
+    return meshio.read(path)
 
 
 class CommandTest(unittest.TestCase):

@@ -1,4 +1,4 @@
-"""A connection to a server that breaks."""
+"""A connection to a server that breaks, or that brings no more."""
 
 import socket
 import threading
@@ -6,17 +6,20 @@ import threading
 
 class CuttingLink:
     """Passes bytes on to `address` and back. Each number of `cuts` is after how many bytes from the
-    server one connection breaks; those that come later do not."""
+    server one connection breaks; those that come later do not. Once a connection has brought `holds_after` bytes, it
+    brings no more and stays open."""
 
-    def __init__(self, address, cuts):
+    def __init__(self, address, cuts=(), holds_after=None):
         host, port = address.split(":")
         self.target, self.cuts = (host, int(port)), list(cuts)
+        self.holds_after, self.closed = holds_after, threading.Event()
         self.from_server = []  # bytes, of each connection
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"127.0.0.1:{self.listener.getsockname()[1]}"
         threading.Thread(target=self.accept, daemon=True).start()
 
     def close(self):
+        self.closed.set()
         self.listener.close()
 
     def accept(self):
@@ -49,6 +52,8 @@ class CuttingLink:
                 self.from_server[index] += len(data)
                 if limit is not None and self.from_server[index] >= limit:
                     break
+                if self.holds_after is not None and self.from_server[index] >= self.holds_after:
+                    self.closed.wait()
         except OSError:
             pass
         for end in (client, server):

@@ -41,7 +41,7 @@ void expect_kept_are_of(const Mesh& whole, MeshStream from) {
 }
 
 TEST(KeptChunks, OfThisProcessStayAsTheyAre) {
-  const Volume ball = BallSamples(40).volume();
+  const Volume ball = BallSamples(20).volume();
   const Request request{.levels = 0};
   const Mesh whole = mesh(ball, request).value();
   expect_kept_are_of(whole, stream(ball, request, {.threads = 1}));
@@ -49,7 +49,7 @@ TEST(KeptChunks, OfThisProcessStayAsTheyAre) {
 }
 
 TEST_F(KeptChunksOfAServer, StayAsTheyAre) {
-  const Volume ball = BallSamples(40).volume();
+  const Volume ball = BallSamples(20).volume();
   const Request request{.levels = 0};
   const Mesh whole = mesh(ball, request).value();
   const StoredVolume stored = client().upload(ball).value();

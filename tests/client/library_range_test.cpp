@@ -50,7 +50,7 @@ void expect_ranges_are(const Mesh& whole, const Open& open) {
 }
 
 TEST(LibraryRange, IsMadeHere) {
-  const Volume ball = BallSamples(40).volume();
+  const Volume ball = BallSamples(20).volume();
   const Request request{.levels = 0};
   expect_ranges_are(mesh(ball, request).value(),
                     [&](ChunkRange chunks) { return stream(ball, request, {}, chunks); });
@@ -61,7 +61,7 @@ TEST(LibraryRange, IsMadeHere) {
 }
 
 TEST_F(RangeOnAServer, IsSent) {
-  const Volume ball = BallSamples(40).volume();
+  const Volume ball = BallSamples(20).volume();
   const Request request{.levels = 0};
   const StoredVolume stored = client().upload(ball).value();
   const Mesh whole = mesh(ball, request).value();

@@ -42,16 +42,24 @@ Volume frame(int number, float background = 1) {
 Volume large_ball(double shift) {
   constexpr std::size_t kEdge = 256;
   constexpr double kMiddle = (kEdge - 1) / 2.0, kRadius = 120, kBand = 3;
+  const auto squared = [](double v) { return v * v; };
+  const auto from_middle = [&](std::size_t index) {
+    return static_cast<double>(index) - kMiddle;
+  };
   std::vector<float> values;
   values.reserve(kEdge * kEdge * kEdge);
-  for (std::size_t i = 0; i < kEdge * kEdge * kEdge; ++i) {
-    const auto from_middle = [&](std::size_t index) {
-      return static_cast<double>(index % kEdge) - kMiddle;
-    };
-    const double distance = std::hypot(from_middle(i / kEdge / kEdge) - shift,
-                                       from_middle(i / kEdge), from_middle(i)) -
-                            kRadius;
-    values.push_back(static_cast<float>(std::clamp(distance, -kBand, kBand)));
+  for (std::size_t x = 0; x < kEdge; ++x) {
+    for (std::size_t y = 0; y < kEdge; ++y) {
+      const double across = squared(from_middle(x) - shift) + squared(from_middle(y));
+      for (std::size_t z = 0; z < kEdge; ++z) {
+        const double square = across + squared(from_middle(z));
+        // Roots are for the few that are near.
+        values.push_back(static_cast<float>(square >= squared(kRadius + kBand) ? kBand
+                                            : square <= squared(kRadius - kBand)
+                                                ? -kBand
+                                                : std::sqrt(square) - kRadius));
+      }
+    }
   }
   return Volume::from_samples(
              {.values = values, .size = {kEdge, kEdge, kEdge}, .background = 3})

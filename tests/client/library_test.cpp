@@ -215,7 +215,7 @@ TEST_F(LibraryOnAServer, StreamsEveryEncoding) {
 }
 
 TEST_F(LibraryOnAServer, LetsTheServerGoWhenAStreamIsGivenUp) {
-  const StoredVolume ball = client().upload_file(ball_file(60)).value();
+  const StoredVolume ball = client().upload_file(ball_file(48)).value();
   {
     MeshStream held = client().stream(ball, {.levels = 0});
     ASSERT_NE(held.next(), nullptr);
@@ -225,7 +225,7 @@ TEST_F(LibraryOnAServer, LetsTheServerGoWhenAStreamIsGivenUp) {
 }
 
 TEST_F(LibraryOnAServer, StopsWhenItIsAsked) {
-  const StoredVolume ball = client().upload_file(ball_file(60)).value();
+  const StoredVolume ball = client().upload_file(ball_file(48)).value();
   std::stop_source stop;
   StreamOptions options;
   options.stop = stop.get_token();

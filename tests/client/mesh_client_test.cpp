@@ -214,7 +214,7 @@ TEST_F(MeshClientTest, SendsAStoredFileOnce) {
 }
 
 TEST_F(MeshClientTest, StopsSoonAfterACancellation) {
-  const v1::MeshRequest ball = uniform_ball(60);  // 150 MB: more than can be on its way
+  const v1::MeshRequest ball = uniform_ball(48);  // 75 MB: more than can be on its way
   Cancellation cancellation;
   ClientProgress progress;
   progress.tets = [&](std::uint64_t done, std::uint64_t) {

@@ -4,6 +4,7 @@
 
 #include "client/library/client_call.h"
 #include "google/rpc/error_details.pb.h"
+#include "proto/convert/status.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
@@ -55,6 +56,13 @@ TEST_F(RetriesTest, TakeUpWhatBrokeAndWhatTheServerAsksTo) {
   EXPECT_EQ(attempts(absl::UnavailableError("gone"), {}), 3);
   EXPECT_EQ(attempts(absl::ResourceExhaustedError("too large"), {}), 1);
   EXPECT_EQ(attempts(with_delay(absl::ResourceExhaustedError("busy"), 1), {}), 3);
+}
+
+/// What a broken call had sent was still being taken when the server was asked how far it came.
+TEST_F(RetriesTest, TakeUpAnUploadThatGoesOnElsewhereThanTheServerSaid) {
+  const absl::Status elsewhere = absl::OutOfRangeError("offset 1 is not the committed size 2");
+  EXPECT_EQ(attempts(with_reason(elsewhere, "WRONG_OFFSET"), {}), 3);
+  EXPECT_EQ(attempts(with_reason(elsewhere, "CHUNK_RANGE"), {}), 1);
 }
 
 TEST_F(RetriesTest, AreMorePatientWithAServerThatAnsweredBefore) {

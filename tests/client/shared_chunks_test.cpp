@@ -47,6 +47,30 @@ class SharedChunksTest : public testing::Test {
     return message;
   }
 
+  /// Where events come here, too.
+  void open_for_events(std::int64_t blocks) {
+    const SealedMemory memory =
+        *SealedMemory::make(static_cast<std::size_t>(kBlock * blocks), Readers::kAny);
+    meet();
+    v1::SharedMemory message = told(kBlock, blocks);
+    message.set_events(true);
+    ASSERT_TRUE(hand_over(memory.descriptor(), static_cast<std::uint64_t>(kBlock * blocks)));
+    ASSERT_EQ(chunks_.open(message), absl::OkStatus());
+  }
+
+  /// Whether an event comes here, which is `bytes`.
+  bool takes(const std::string& bytes) {
+    grpc::ByteBuffer event;
+    if (!chunks_.take_event(event, never_, [] { return false; })) return false;
+    grpc::Slice slice;
+    EXPECT_TRUE(event.DumpToSingleSlice(&slice).ok());
+    EXPECT_EQ(std::string(slice.begin(), slice.end()), bytes);
+    return true;
+  }
+  bool say(const std::string& bytes) const {
+    return send_packet(accepted_, std::as_bytes(std::span(bytes)));
+  }
+
   bool hand_over(const Descriptor& memory, std::uint64_t size = kBlock * kBlocks) const {
     return send_packet(accepted_, side_message(size), memory);
   }
@@ -74,9 +98,14 @@ TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {
   for (std::size_t i = 0; i < 2; ++i) {
     for (std::byte& byte : layout.column(block, i)) byte = static_cast<std::byte>(i + 1);
   }
-  const auto checksum = chunks_.copy(kBlock, to);
-  ASSERT_TRUE(checksum.ok()) << checksum.status();
-  EXPECT_EQ(*checksum, add_to_checksum(add_to_checksum(0, positions), tets));
+  MeshHeader header;
+  header.vertex_count = 0x02020203;
+  const auto copied = chunks_.copy(kBlock, to, header);
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_EQ(copied->checksum, add_to_checksum(add_to_checksum(0, positions), tets));
+  EXPECT_TRUE(copied->ids_are_within);
+  --header.vertex_count;
+  EXPECT_FALSE(chunks_.copy(kBlock, to, header)->ids_are_within);
   EXPECT_EQ(positions[11], std::byte{1});
   EXPECT_EQ(tets[99], std::byte{2});
   chunks_.acknowledge(5);
@@ -92,10 +121,11 @@ TEST_F(SharedChunksTest, CopiesNothingFromBeyondTheMemory) {
   std::vector<std::byte> positions(static_cast<std::size_t>(kBlock));
   ChunkColumns to{};
   to.positions = positions;
-  EXPECT_TRUE(chunks_.copy(kBlock, to).ok());
+  EXPECT_TRUE(chunks_.copy(kBlock, to, {}).ok());
   for (const std::int64_t offset :
        {kBlock + 1, 2 * kBlock, 2 * kBlock + 1, std::int64_t{-1}, INT64_MAX, INT64_MIN}) {
-    EXPECT_EQ(chunks_.copy(offset, to).status().code(), absl::StatusCode::kDataLoss) << offset;
+    EXPECT_EQ(chunks_.copy(offset, to, {}).status().code(), absl::StatusCode::kDataLoss)
+        << offset;
   }
 }
 
@@ -145,7 +175,7 @@ TEST_F(SharedChunksTest, ServesTheNextStreamOnceItHasRested) {
     std::array<std::byte, 12> positions{};
     ChunkColumns to{};
     to.positions = positions;
-    return chunks_.copy(0, to).ok();
+    return chunks_.copy(0, to, {}).ok();
   };
   for (int stream = 0; stream < 3; ++stream) {
     ASSERT_TRUE(hand_over(memory_.descriptor()));
@@ -164,7 +194,7 @@ TEST_F(SharedChunksTest, ServesTheNextStreamOnceItHasRested) {
   std::array<std::byte, 12> positions{};
   ChunkColumns to{};
   to.positions = positions;
-  ASSERT_TRUE(chunks_.copy(0, to).ok());
+  ASSERT_TRUE(chunks_.copy(0, to, {}).ok());
   EXPECT_EQ(positions[0], std::byte{7});
 }
 
@@ -226,6 +256,75 @@ TEST_F(SharedChunksTest, WhatItDistrustsItAsksForNoMore) {
   chunks_.rest();
   EXPECT_FALSE(chunks_.rests());
   EXPECT_EQ(chunks_.begin(path_, never_), "");
+}
+
+TEST_F(SharedChunksTest, TakesEventsUntilTheNextIsInTheStream) {
+  open_for_events(2);
+  ASSERT_TRUE(say("one") && say("two") && say(std::string(1, '\0')) && say("three"));
+  EXPECT_TRUE(takes("one"));
+  EXPECT_TRUE(takes("two"));
+  EXPECT_FALSE(takes(""));
+  EXPECT_FALSE(takes(""));
+  chunks_.acknowledge(0);  // the one that came in the stream
+  EXPECT_TRUE(takes("three"));
+}
+
+TEST_F(SharedChunksTest, LooksIntoTheStreamWhileNothingComes) {
+  open_for_events(2);
+  grpc::ByteBuffer event;
+  Cancellation cancelled;
+  cancelled.cancel();
+  EXPECT_FALSE(chunks_.take_event(event, cancelled, [] { return false; }));
+  const auto in_stream = [] { return true; };
+  ASSERT_TRUE(say("last"));
+  EXPECT_TRUE(chunks_.take_event(event, never_, in_stream));
+  EXPECT_FALSE(chunks_.take_event(event, never_, in_stream));
+  chunks_.acknowledge(0);
+  EXPECT_FALSE(takes(""));  // the rest is there, too
+}
+
+TEST_F(SharedChunksTest, LooksIntoTheStreamOnceTheServersEndIsGone) {
+  open_for_events(2);
+  ASSERT_TRUE(say("last"));
+  accepted_ = Descriptor();
+  EXPECT_TRUE(takes("last"));
+  EXPECT_FALSE(takes(""));
+  chunks_.acknowledge(1);
+  EXPECT_FALSE(takes(""));
+}
+
+TEST_F(SharedChunksTest, TakesNoEventThatIsTooLong) {
+  open_for_events(2);
+  ASSERT_TRUE(say(std::string(kMostSideEventBytes, 'x')) &&
+              say(std::string(kMostSideEventBytes + 1, 'x')) && say("after"));
+  EXPECT_TRUE(takes(std::string(kMostSideEventBytes, 'x')));
+  EXPECT_FALSE(takes(""));
+  chunks_.acknowledge(0);
+  EXPECT_FALSE(takes(""));
+}
+
+TEST_F(SharedChunksTest, AnswersForSeveralChunksAtOnce) {
+  open_for_events(7);
+  SideMessage said{};
+  for (std::uint64_t chunk = 0; chunk < 5; ++chunk) {
+    chunks_.acknowledge(chunk);
+    const bool answers = chunk % 2 == 1;
+    EXPECT_EQ(take_packet(accepted_, said), answers ? Packet::kTaken : Packet::kNone) << chunk;
+    if (answers) {
+      EXPECT_EQ(side_number(said), chunk);
+    }
+  }
+  ASSERT_TRUE(say(std::string(1, '\0')));
+  EXPECT_FALSE(takes(""));
+  EXPECT_EQ(take_packet(accepted_, said), Packet::kTaken);
+  EXPECT_EQ(side_number(said), 4U);
+}
+
+TEST_F(SharedChunksTest, AWrongChunkThatNobodyCanHaveFreedIsNotAskedForAgain) {
+  meet();
+  ASSERT_TRUE(hand_over(memory_.descriptor()));
+  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  EXPECT_EQ(chunks_.distrust(3).code(), absl::StatusCode::kDataLoss);
 }
 
 TEST_F(SharedChunksTest, IsNotToldOfWhatNobodyAskedFor) {

@@ -26,8 +26,8 @@ BLOCK = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 ADDRESS = re.compile(r"\b[\w.-]+:7447\b")
 # A page's file: the fixture that takes its place, and its voxel size.
 FILES = {"scan.vdb": ("torus", 0.1), "ct.vdb": ("scan", 0.1), "walls.vdb": ("random-signs", 0.1),
-         "fire.vdb": ("fields", 0.1), "flow.vdb": ("fields", 0.1), "body.vdb": ("parts", 0.1),
-         "droplets.vdb": ("parts", 0.1),
+         "fire.vdb": ("fields", 0.15), "flow.vdb": ("fields", 0.15), "body.vdb": ("parts", 0.15),
+         "droplets.vdb": ("parts", 0.15),
          "scans/monday.vdb": ("sphere", 0.1), "scans/tuesday.vdb": ("torus", 0.1)}
 # A page's grid: the fixture's grid that takes its place.
 GRIDS = {"density": "sphere", "temperature": "heat", "femur": "ball", "tibia": "ring",
@@ -58,8 +58,8 @@ def commands_of(text):
 
 
 def octahedron(path, missing=0):
-    """A surface in an .obj file, closed unless faces are missing: small, but sixty voxels of 0.02 across."""
-    r = 0.6
+    """A surface in an .obj file, closed unless faces are missing: small, but forty voxels of 0.02 across."""
+    r = 0.4
     corners = [(r, 0, 0), (-r, 0, 0), (0, r, 0), (0, -r, 0), (0, 0, r), (0, 0, -r)]
     faces = [(1, 3, 5), (3, 2, 5), (2, 4, 5), (4, 1, 5), (3, 1, 6), (2, 3, 6), (4, 2, 6), (1, 4, 6)]
     path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) +

@@ -12,10 +12,9 @@ import subprocess
 import sys
 import unittest
 
-import meshio
 import numpy
 
-from command_case import ServerTest
+from command_case import ServerTest, read_mesh
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/wire_format.md").read_text(encoding="utf-8")
@@ -46,7 +45,7 @@ class PythonClient(ServerTest):
     def written(self, name, *options):
         """The command's mesh of a file."""
         self.assert_done(self.mesh(name, ".vtu", *options))
-        return meshio.read(self.out / "mesh.vtu")
+        return read_mesh(self.out / "mesh.vtu")
 
     def assert_same(self, mesh, expected):
         origin = mesh.header.origin

@@ -6,12 +6,14 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
 SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+LAUNCHER = os.environ.get("COMPILER_LAUNCHER", "").split()  # of compilers: ccache, or nothing
 sys.path.insert(0, str(SOURCE / "tests/server"))
 
 import running_server  # noqa: E402  (its folder is known only now)
@@ -36,20 +38,20 @@ class Examples(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        # pylint: disable=consider-using-with
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.folder.cleanup)
-        root = pathlib.Path(cls.folder.name)
-        cls.prefix, cls.out = root / "prefix", root / "build"
+        # A folder of its own in the build tree, always the same: ccache knows headers by where they are.
+        root = BUILD / "tests/examples/outside"
+        shutil.rmtree(root, ignore_errors=True)
+        cls.addClassCleanup(shutil.rmtree, root)
+        cls.folder, cls.prefix, cls.out = root, root / "prefix", root / "build"
         run("cmake", "--install", BUILD, "--prefix", cls.prefix)
         run("cmake", "-S", SOURCE / "examples/cpp", "-B", cls.out,
-            f"-DCMAKE_PREFIX_PATH={cls.prefix}")
+            f"-DCMAKE_PREFIX_PATH={cls.prefix}", f"-DCMAKE_CXX_COMPILER_LAUNCHER={';'.join(LAUNCHER)}")
         run("cmake", "--build", cls.out)
         cls.server = running_server.RunningServer(root / "store")
         cls.addClassCleanup(cls.server.close)
 
     def setUp(self):
-        self.here = pathlib.Path(tempfile.mkdtemp(dir=self.folder.name))
+        self.here = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
 
     def test_every_snippet_of_the_pages_is_part_of_an_example(self):
         examples = [lines_of(path.read_text(encoding="utf-8"))
@@ -116,11 +118,13 @@ class Examples(unittest.TestCase):
 
     def test_pkg_config_leads_to_the_same_library(self):
         packages = next(self.prefix.rglob("tetstream.pc")).parent
-        flags = run("pkg-config", "--cflags", "--libs", "tetstream",
-                    env={**os.environ, "PKG_CONFIG_PATH": str(packages)}).split()
+        compiled, linked = (run("pkg-config", what, "tetstream",
+                                env={**os.environ, "PKG_CONFIG_PATH": str(packages)}).split()
+                            for what in ("--cflags", "--libs"))
         program = self.here / "by_hand"
-        run("c++", "-std=c++20", SOURCE / "examples/cpp/first_mesh.cpp", *flags, "-o", program,
-            f"-Wl,-rpath,{packages.parent}")
+        source, object_file = SOURCE / "examples/cpp/first_mesh.cpp", self.here / "by_hand.o"
+        run(*LAUNCHER, "c++", "-std=c++20", "-c", source, *compiled, "-o", object_file)
+        run("c++", object_file, *linked, "-o", program, f"-Wl,-rpath,{packages.parent}")
         self.assertRegex(run(program, cwd=self.here), r"^\d+ tets, volume 4\.1")
 
 

@@ -63,6 +63,7 @@ class Crowd:
     def __init__(self, port):
         self.port = port
         self.calls = []
+        self.answered = 0  # calls that ended, and were asked again
         self.numbers = itertools.count()
 
     def call(self, client, method, **how):
@@ -73,6 +74,7 @@ class Crowd:
         for _, call in self.calls:
             if call.ended:
                 call.close()
+                self.answered += 1
         self.calls = [call for call in self.calls if not call[1].ended]
         for client in range(CLIENTS):
             for _ in range(each - sum(owner == client for owner, _ in self.calls)):

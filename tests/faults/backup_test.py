@@ -37,9 +37,7 @@ class Backups(FaultTest):
         for number in itertools.count():
             if stop.is_set():
                 return
-            grid = self.folder / f"grid{number}.vdb"
-            subprocess.run([binaries() / "make_fixture", "sphere", "0.05", grid], check=True)
-            said = self.submit(server, grid)
+            said = self.submit(server, self.another_grid(number))
             if said.returncode == 0:
                 acknowledged.append(json.loads(said.stdout)["name"])
 

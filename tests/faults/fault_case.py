@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import uuid
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 
@@ -20,6 +21,7 @@ class FaultTest(unittest.TestCase):
     """A scratch folder with grids, and for each the mesh that this machine makes without a server."""
 
     volumes = {"sphere": 0.05}  # kind of fixture: voxel size
+    spacing = ()  # of meshes, as the command line takes it; that of the voxels where it is not given
 
     @classmethod
     def setUpClass(cls):
@@ -30,8 +32,8 @@ class FaultTest(unittest.TestCase):
         for kind, voxel in cls.volumes.items():
             grid, mesh = cls.inputs / f"{kind}.vdb", cls.inputs / f"{kind}.vtu"
             subprocess.run([binaries() / "make_fixture", kind, str(voxel), grid], check=True)
-            subprocess.run([binaries() / "tetstream", "mesh", grid, "-o", mesh], check=True,
-                           stdout=subprocess.DEVNULL)
+            subprocess.run([binaries() / "tetstream", "mesh", grid, "-o", mesh, *cls.spacing],
+                           check=True, stdout=subprocess.DEVNULL)
             cls.expected[kind] = mesh.read_bytes()
 
     def setUp(self):
@@ -50,7 +52,7 @@ class FaultTest(unittest.TestCase):
         address = getattr(server, "address", server)
         return subprocess.run(
             [binaries() / "tetstream", "mesh", self.inputs / f"{kind}.vdb",
-             "-o", self.folder / f"{kind}.vtu", "--server", address],
+             "-o", self.folder / f"{kind}.vtu", "--server", address, *self.spacing],
             capture_output=True, text=True, timeout=GENEROUS_END, check=False)
 
     def assert_meshed(self, result, kind="sphere"):
@@ -63,6 +65,15 @@ class FaultTest(unittest.TestCase):
         for path in files:
             self.assertEqual(hashlib.sha256(path.read_bytes()).hexdigest(), path.name)
         return {path.name for path in files}
+
+    def another_grid(self, number, kind="sphere"):
+        """A file of the same grid and of other bytes: the UUID in its head is another."""
+        content = bytearray((self.inputs / f"{kind}.vdb").read_bytes())
+        # After it come the file's metadata; before it a magic number, three versions and a flag.
+        content[21:57] = str(uuid.UUID(int=number)).encode("ascii")
+        path = self.folder / f"{kind}{number}.vdb"
+        path.write_bytes(content)
+        return path
 
     def digest(self, kind="sphere"):
         return hashlib.sha256((self.inputs / f"{kind}.vdb").read_bytes()).hexdigest()

@@ -114,7 +114,7 @@ class Shutdown(FaultTest):
     def long_mesh(self, addresses):
         return subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.inputs / "torus.vdb",
-             "-o", self.folder / "long.vtu", "--levels", "0", "--spacing", "0.012",
+             "-o", self.folder / "long.vtu", "--levels", "0", "--spacing", "0.018",
              "--server", addresses],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
@@ -145,7 +145,7 @@ class Shutdown(FaultTest):
         whole = self.folder / "whole.vtu"
         subprocess.run(
             [binaries() / "tetstream", "mesh", self.inputs / "torus.vdb", "-o", whole,
-             "--levels", "0", "--spacing", "0.012"], check=True, stdout=subprocess.DEVNULL)
+             "--levels", "0", "--spacing", "0.018"], check=True, stdout=subprocess.DEVNULL)
         self.assertTrue(whole.read_bytes() == (self.folder / "long.vtu").read_bytes())
 
 

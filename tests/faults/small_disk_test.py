@@ -125,6 +125,7 @@ class SmallDisk(FaultTest):
         server = self.start_server()
         self.assert_does_jobs(server)
         others = self.fill()
+        wait_until(lambda: server.log("jobs_down"))
         wait_until(lambda: server.samples()["tetstream_jobs_up"] == 0)
         others.unlink()
         self.assert_does_jobs(server)

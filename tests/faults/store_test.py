@@ -75,6 +75,7 @@ class FullDisk(FaultTest):
 
     step = 1 if "TET_EVERY_CHANGE" in os.environ else 5
     volumes = {"sphere": 0.02}
+    spacing = ("--spacing", "0.1")  # it is the grid's file that has so many changes
 
     def meshed_on_a_full_disk(self, change):
         """Whether the disk became full at this change of an upload that must be all or nothing.

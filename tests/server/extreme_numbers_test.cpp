@@ -218,8 +218,8 @@ class ExtremeNumbers : public testing::Test {
     }
   }
 
-  /// All jobs are told of, one by one and together.
-  std::set<std::string> expect_all_jobs() {
+  /// All jobs are told of, together and, unless that says enough, one by one.
+  std::set<std::string> expect_all_jobs(bool one_by_one = true) {
     std::set<std::string> names;
     v1::ListJobsRequest request;
     do {
@@ -229,7 +229,9 @@ class ExtremeNumbers : public testing::Test {
       EXPECT_TRUE(status.ok()) << status.error_message();
       for (const v1::Job& job : page.jobs()) {
         names.insert(job.name());
-        EXPECT_EQ(server_.get(job).name(), job.name());
+        if (one_by_one) {
+          EXPECT_EQ(server_.get(job).name(), job.name());
+        }
       }
       request.set_page_token(page.next_page_token());
     } while (!request.page_token().empty());
@@ -251,7 +253,7 @@ TEST_F(ExtremeNumbers, OfEveryMessageAreAnsweredAndEndNoServer) {
       if (!HasFatalFailure() && !HasNonfatalFailure()) expect_answer(name, request, what);
     });
     ASSERT_FALSE(HasFailure()) << name;
-    expect_all_jobs();
+    expect_all_jobs(name == "CreateJob");  // no other method leaves more or other jobs
     ASSERT_TRUE(lives()) << name;
   }
   EXPECT_GT(answers_[StatusCode::OK], 100);

@@ -85,7 +85,9 @@ class WilfulClient {
     while (reader_->Read(&event_) && !event_.has_header()) {
     }
   }
-  bool has_ring() const { return event_.header().has_shared_memory(); }
+  bool has_ring() const { return header().has_shared_memory(); }
+  /// Until something else is read.
+  const v1::MeshHeader& header() const { return event_.header(); }
 
   Descriptor take_memory() const {
     SideMessage size{};

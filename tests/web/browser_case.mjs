@@ -100,21 +100,29 @@ function residentOf(process) {
   }
 }
 
+// Pixels are drawn by software: the page is laid out as anybody sees it, on a screen of few pixels where nobody looks.
+const kScale = process.env.PAGE_SCREENSHOTS ? 1 : 0.5;
+
 /** A browser whose every request is noted: none may leave for another host. */
 export class Browser {
+  contexts = [];
+
   async start() {
     this.browser = await chromium.launch({
       executablePath: kBrowser,
       timeout: kGenerousEnd,
       args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-        "--disable-dev-shm-usage"],
+        "--disable-dev-shm-usage",
+        // The canvas alone takes the software renderer: what is around it is put together for half as much without.
+        "--disable-gpu-compositing"],
     });
     return this;
   }
 
   async open(url, options = {}) {
     const context = await this.browser.newContext({
-      viewport: { width: 1280, height: 900 }, colorScheme: "dark", ...options });
+      viewport: { width: 1280, height: 900 }, deviceScaleFactor: kScale, colorScheme: "dark", ...options });
+    this.contexts.push(context);
     context.setDefaultTimeout(kGenerousEnd);
     const page = await context.newPage();
     page.requested = [];
@@ -136,6 +144,11 @@ export class Browser {
     return processInfo.filter((one) => one.type === "renderer").reduce((sum, one) => sum + residentOf(one.id), 0);
   }
 
+  /** What a test has opened draws and asks the server for as long as it is open. */
+  async closePages() {
+    await Promise.all(this.contexts.splice(0).map((context) => context.close()));
+  }
+
   async close() {
     await this.browser.close();
   }
@@ -144,12 +157,13 @@ export class Browser {
 /** Waits until the page says so. Playwright's own way would have the page evaluate text, which its policy forbids. */
 export async function until(page, said, argument) {
   const end = Date.now() + kGenerousEnd;
-  while (!(await page.evaluate(said, argument))) {
+  // Each look takes milliseconds of three processes: what takes long is looked at less often.
+  for (let wait = 20; !(await page.evaluate(said, argument)); wait = Math.min(wait * 1.2, 250)) {
     if (Date.now() > end) {
       throw new Error(`waited in vain: ${said}; alert: ${await page.textContent("#alert")}; ` +
         `status: ${await page.textContent("#status")}; errors: ${page.errors}`);
     }
-    await new Promise((done) => setTimeout(done, 50));
+    await new Promise((done) => setTimeout(done, wait));
   }
 }
 

@@ -1,25 +1,29 @@
-// What tests do in the page, one step each, and where they do it. Node.js runs the part that is named, or all of a file.
+// What tests do in the page, one step each, and where they do it. Node.js runs the parts that are named, or all of a file.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { after, before, describe } from "node:test";
+import { after, afterEach, before, describe } from "node:test";
 import { binary, Browser, kGenerousEnd, makeFixture, meshIs, remove, RunningServer, scratchFolder, skipWithoutBrowser,
   until } from "./browser_case.mjs";
 
 skipWithoutBrowser();
-const wanted = process.argv[2];
-export const part = (name, body) => (!wanted || wanted === name) && describe(name, body);
+const wanted = process.argv.slice(2);
+export const part = (name, body) => (wanted.length === 0 || wanted.includes(name)) && describe(name, body);
 
-/** A server and a browser for all tests of a part. */
+// One for all parts: it takes as much to start as a short test.
+let browser;
+after(() => browser?.close());
+
+/** A server for all tests of a part, and a browser. */
 export function stage(options = () => []) {
   const held = {};
   before(async () => {
     held.folder = scratchFolder();
     held.ball = makeFixture(held.folder, "sphere", 0.04);
     held.server = await new RunningServer(held.folder, options(held.folder)).start();
-    held.browser = await new Browser().start();
+    held.browser = browser ??= await new Browser().start();
   }, { timeout: kGenerousEnd });
+  afterEach(() => held.browser?.closePages());
   after(async () => {
-    await held.browser?.close();
     await held.server?.kill();
     remove(held.folder);
   });

@@ -1,5 +1,5 @@
 // The page as people use it, in a real browser against a real server.
-//   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_test.mjs [PART]
+//   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_test.mjs [PART...]
 // With PAGE_SCREENSHOTS=FOLDER the documents' pictures go there, and those to compare with are taken anew.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -39,7 +39,7 @@ part("Meshes", () => {
     const stored = await page.inputValue("#stored");
     assert.equal(stored, "grids/" + createHash("sha256").update(readFileSync(held.ball)).digest("hex"));
     assert.match(await page.textContent("#info"), /level set, [\d,]+ voxels of 0\.04/);
-    await setSpacing(page, -1);
+    await setSpacing(page, -0.5);
     const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
     await mesh(page);
     assert.ok((await page.textContent("#status")).startsWith(estimated));
@@ -65,7 +65,7 @@ part("Meshes", () => {
     await until(page, () => /the surface is not closed/.test(document.body.textContent));
     await drop("block.STL", block);
     await until(page, () => /of a surface: 8 vertices, 12 triangles/.test(document.getElementById("info").textContent));
-    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, 1);
     await mesh(page);
     assert.ok((await triangles(page)) > 1000);
     assert.match(await page.inputValue("#command"), /^tetstream mesh block\.STL -o mesh\.vtu --spacing/);
@@ -77,7 +77,7 @@ part("Meshes", () => {
     await page.reload();
     await until(page, () => document.querySelectorAll("#stored option").length > 1);
     await page.selectOption("#scene", "a bored block");
-    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, 1);
     await mesh(page);
     assert.ok((await triangles(page)) > 1000);
   });
@@ -131,6 +131,7 @@ part("Marks", () => {
     const page = await held.browser.open(held.server.url);
     await page.setInputFiles("#file", rough);
     await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await setSpacing(page, 1);
     await mesh(page);
     assert.match(await page.textContent("#quality"), /non-manifold spots/);
     await until(page, () => Number(document.getElementById("canvas").dataset.marks) > 0);
@@ -146,7 +147,7 @@ part("Pictures", () => {
   const pictures = join(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "pictures");
 
   it("draws what it drew when the pictures were kept", async () => {
-    const page = await held.browser.open(held.server.url);
+    const page = await held.browser.open(held.server.url, { deviceScaleFactor: 1 });
     await chooseBall(page, held);
     await mesh(page);
     const taken = {};
@@ -357,6 +358,7 @@ part("Refusals", () => {
     await page.keyboard.press("Enter");
     await until(page, () => document.body.dataset.server && !document.getElementById("alert").textContent);
     await chooseBall(page, held);
+    await setSpacing(page, 1);
     await mesh(page);
     await page.click('nav a[href="#server"]');
     await until(page, () => /needs the scope workers\.read/.test(document.getElementById("workers").textContent));
@@ -375,6 +377,7 @@ part("Looks", () => {
     it(`is accessible and in place: ${name}`, async () => {
       const page = await held.browser.open(held.server.url, options);
       await chooseBall(page, held);
+      if (!process.env.PAGE_SCREENSHOTS) await setSpacing(page, 1);
       await mesh(page);
       await page.selectOption("#colour", "size");
       for (const view of ["mesh", "jobs", "server"]) {
@@ -383,7 +386,7 @@ part("Looks", () => {
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
         assert.ok(wide <= 0, `${view} is ${wide} pixels too wide`);
         await page.evaluate(axeSource);
-        const found = await page.evaluate(() => axe.run());
+        const found = await page.evaluate(() => axe.run({ resultTypes: ["violations"] }));
         assert.deepEqual(found.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]), [], view);
       }
       await page.click('nav a[href="#mesh"]');

@@ -1,6 +1,6 @@
 """Whether the files that mesh_columns_test.mjs saved hold its cube: a volume of 1 between x = 10 and 11, in two halves.
 
-    saved_cube.py FOLDER plain|regions|labels|parts
+    saved_cube.py FOLDER plain|regions|labels|parts...
 """
 
 import pathlib
@@ -54,12 +54,13 @@ def check(path, ending, kind):
 
 
 def main():
-    folder, kind = pathlib.Path(sys.argv[1]), sys.argv[2]
-    for ending in READERS:
-        try:
-            check(folder / saved_name(kind, ending), ending, kind)
-        except AssertionError as error:
-            raise AssertionError(f"{kind}{ending}: {error}") from error
+    folder = pathlib.Path(sys.argv[1])
+    for kind in sys.argv[2:]:
+        for ending in READERS:
+            try:
+                check(folder / saved_name(kind, ending), ending, kind)
+            except AssertionError as error:
+                raise AssertionError(f"{kind}{ending}: {error}") from error
 
 
 if __name__ == "__main__":

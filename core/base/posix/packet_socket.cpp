@@ -122,8 +122,11 @@ bool is_quiet(const Descriptor& socket) noexcept {
   return socket.is_open() && ::poll(&either, 1, 0) == 0;
 }
 
-// Without room for files the system closes those that come.
-Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexcept {
+// Without room for files the system closes those that come. A message of no bytes looks like
+// the end, and is none of anybody's.
+Packet take_any_packet(const Descriptor& socket,
+                       std::span<std::byte> message,
+                       std::size_t& size) noexcept {
   iovec bytes{message.data(), message.size()};
   msghdr header{};
   header.msg_iov = &bytes;
@@ -133,9 +136,27 @@ Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexc
     taken = ::recvmsg(socket.number(), &header, MSG_DONTWAIT);
   } while (taken < 0 && errno == EINTR);
   if (taken < 0) return errno == EAGAIN ? Packet::kNone : Packet::kEnd;
-  const bool whole =
-      taken == static_cast<ssize_t>(message.size()) && (header.msg_flags & MSG_TRUNC) == 0;
-  return whole ? Packet::kTaken : Packet::kEnd;
+  if (taken == 0 || (header.msg_flags & MSG_TRUNC) != 0) return Packet::kEnd;
+  size = static_cast<std::size_t>(taken);
+  return Packet::kTaken;
+}
+
+Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexcept {
+  std::size_t size = 0;
+  const Packet packet = take_any_packet(socket, message, size);
+  return packet == Packet::kTaken && size != message.size() ? Packet::kEnd : packet;
+}
+
+Packet await_any_packet(const Descriptor& socket,
+                        std::span<std::byte> message,
+                        std::size_t& size,
+                        std::chrono::milliseconds patience,
+                        int stop) noexcept {
+  const Packet at_once = take_any_packet(socket, message, size);
+  if (at_once != Packet::kNone) return at_once;
+  std::array<pollfd, 2> either{{{socket.number(), POLLIN, 0}, {stop, POLLIN, 0}}};
+  ::poll(either.data(), either.size(), static_cast<int>(patience.count()));
+  return take_any_packet(socket, message, size);
 }
 
 bool await_packet(const Descriptor& socket,

@@ -43,6 +43,19 @@ enum class Packet { kTaken, kNone, kEnd };
 /// are no more, or it is not as long as `message`.
 Packet take_packet(const Descriptor& socket, std::span<std::byte> message) noexcept;
 
+/// Takes the next message into the beginning of `message`, and says how long it is, never
+/// waiting. Files that came with it are closed. kEnd where there are no more, or it is longer.
+Packet take_any_packet(const Descriptor& socket,
+                       std::span<std::byte> message,
+                       std::size_t& size) noexcept;
+/// Waits for that for `patience` at most, and no longer than until `stop`, a descriptor or -1,
+/// can be read.
+Packet await_any_packet(const Descriptor& socket,
+                        std::span<std::byte> message,
+                        std::size_t& size,
+                        std::chrono::milliseconds patience,
+                        int stop = -1) noexcept;
+
 /// Waits for the next message for `patience` at most, and no longer than until `stop`, a
 /// descriptor or -1, can be read. Takes the file that came with the message into `passed`, if
 /// it is one. False where none came or it is not as long as `message`.

@@ -23,12 +23,14 @@ constexpr Oid kText = 25;
 
 // Plans are made once. They must be good for a queue of any length: one that was made while it
 // was short would read all of a long one, unless it has to use an index.
+// Where one is read whole nevertheless, the price that keeps others from it looks as if the
+// query were worth compiling: that took most of the database's time.
 // A process that is paused or cut off in the middle of a transaction keeps its rows locked:
 // until the server ends the session, which must be before those who wait for them give up.
 constexpr char kSettings[] =
     "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '3s'; "
     "SET synchronous_commit = on; SET client_min_messages = warning; SET enable_seqscan = off; "
-    "SET plan_cache_mode = force_generic_plan";
+    "SET jit = off; SET plan_cache_mode = force_generic_plan";
 
 struct Clear {
   void operator()(PGresult* result) const { PQclear(result); }

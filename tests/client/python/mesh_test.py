@@ -311,10 +311,10 @@ def test_keeps_nothing_of_meshes_that_are_gone():
     make(200)
     gc.collect()
     before, objects = resident_bytes(), len(gc.get_objects())
-    size = make(2000)
+    size = make(1000)
     gc.collect()
     assert len(gc.get_objects()) - objects < 200
-    assert resident_bytes() - before < 2000 * size / 4, f"each mesh has {size} bytes"
+    assert resident_bytes() - before < 1000 * size / 4, f"each mesh has {size} bytes"
 
 
 def test_has_faces_as_views_where_they_are_asked_for(mesh):

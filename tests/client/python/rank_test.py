@@ -18,7 +18,7 @@ def joined(streams):
 
 @pytest.fixture(scope="module")
 def large_ball():
-    return make_ball(40)
+    return make_ball(28)
 
 
 @pytest.mark.parametrize("served", [False, True])

@@ -108,14 +108,14 @@ def work_ends(server):
 
 
 def test_lets_the_server_go_when_a_stream_is_left(server, client):
-    with client.stream(make_ball(64), levels=0) as stream:
+    with client.stream(make_ball(40), levels=0) as stream:
         next(stream)
         assert server.samples()["tetstream_meshes_running"] == 1
     work_ends(server)
 
 
 def test_lets_the_server_go_when_another_thread_closes_the_stream(server, client):
-    stream = client.stream(make_ball(64), levels=0)
+    stream = client.stream(make_ball(40), levels=0)
     next(stream)
     closing = threading.Thread(target=stream.close)
     closing.start()
@@ -127,7 +127,7 @@ def test_lets_the_server_go_when_another_thread_closes_the_stream(server, client
 
 def test_goes_on_where_it_was_when_the_server_comes_back(tmp_path):
     address = f"127.0.0.1:{running_server.unused_port()}"
-    ball, here = make_ball(64), None
+    ball, here = make_ball(40), None
     with running_server.RunningServer(tmp_path / "store", listen=address) as first:
         stream = ts.Client(address).stream(ball, levels=0)
         chunks = [next(stream)]

@@ -44,7 +44,7 @@ def test_parts_of_a_union_are_labels_of_which_the_first_is_whole():
 
 
 def test_sizes_hold_within_labels():
-    planet = ts.sphere(0.8) | ts.sphere(2)
+    planet = ts.sphere(0.6) | ts.sphere(1.3)
     plain = ts.mesh(planet, spacing=0.05, labels="all", levels=24)
     sized = ts.mesh(planet, spacing=0.05, labels="all", label_sizes={1: 0.05, (2, 3): 0.11})
     assert longest_edge(plain, 1) > 0.15 and longest_edge(plain, 2) > 0.2

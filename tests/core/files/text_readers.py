@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import warnings
 
 import meshio
 import numpy
@@ -32,11 +33,20 @@ INP_FACES = {"S1": (0, 2, 1), "S2": (0, 1, 3), "S3": (1, 2, 3), "S4": (2, 0, 3)}
 INP_MIDDLES = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (1, 3): 8, (2, 3): 9}
 
 
+def numbers_in(text, kind, separator=" "):
+    """All of the text's numbers, and it has nothing else. numpy reads on to what it does not understand, and warns."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return numpy.fromstring(text, dtype=kind, sep=separator)
+
+
 def table(lines, kind, separator=","):
     """The numbers of lines that have equally many, as rows."""
     width = lines[0].count(separator) + 1
     assert all(line.count(separator) == width - 1 for line in lines)
-    return numpy.array(list(map(kind, separator.join(lines).split(separator)))).reshape(-1, width)
+    numbers = numbers_in(separator.join(lines), kind, separator)
+    assert len(numbers) == len(lines) * width
+    return numbers.reshape(-1, width)
 
 
 def inp_columns(side, nodes):
@@ -101,8 +111,7 @@ def read_mfem(path):
     words = iter(" ".join(line for line in lines[1:] if not line.startswith("#")).split())
 
     def numbers(kind, rows, width):
-        found = numpy.array(list(map(kind, itertools.islice(words, rows * width))))
-        return found.reshape(rows, width)
+        return numbers_in(" ".join(itertools.islice(words, rows * width)), kind).reshape(rows, width)
 
     def rows(section, kind, corners):
         assert next(words) == section
@@ -130,8 +139,7 @@ def usd_list(text, name, width):
     """The numbers of the only list of that name, which stands first in its line."""
     begin, = (found.end() for found in re.finditer(re.escape(f"{name} = ["), text)
               if not text[text.rfind("\n", 0, found.start()) + 1:found.start()].strip(" "))
-    words = text[begin:text.index("]", begin)].translate(USD_MARKS).split()
-    numbers = numpy.array(list(map(float, words)))
+    numbers = numbers_in(text[begin:text.index("]", begin)].translate(USD_MARKS), float)
     return numbers.reshape(-1, width) if width > 1 else numbers
 
 

@@ -81,63 +81,61 @@ void expect_no_worse(const TetMesh& improved, const TetMesh& plain) {
   EXPECT_LE(farthest, (LabelMover::kReach + kRounding) * plain.header.spacing);
 }
 
-TEST(ImprovedLabels, AreNeverWorseWhateverTheIndicatorsSay) {
-  for (const LabelCase& labels : cases(1)) {
-    for (const Label left_out : {kJoker, Label{0}}) {
-      SCOPED_TRACE(testing::Message() << labels.name << ", without " << left_out);
-      LabelMeshing how{.domain = kBox, .kept = {left_out}};
-      how.levels = left_out == 0 ? 0 : kMaxLevels;
-      if (left_out == 0) how.coordinates = CoordinateType::kFloat32;
-      const TetMesh plain = mesh_of(labels.functions, how).mesh;
-      how.improve = true;
-      expect_no_worse(mesh_of(labels.functions, how).mesh, plain);
+/// The domain is filled as before, and no vertex of its boundary moves.
+void expect_same_domain(const TetMesh& improved, const TetMesh& plain) {
+  double before = 0, after = 0;
+  for (const auto& [label, part] : parts_of(plain)) before += part.volume;
+  for (const auto& [label, part] : parts_of(improved)) after += part.volume;
+  EXPECT_NEAR(after, before, 1e-7);
+  for (const Triangle& triangle : boundary_triangles(plain)) {
+    for (const std::uint64_t v : triangle) {
+      ASSERT_EQ(improved.stored_position(v), plain.stored_position(v));
     }
   }
 }
 
-TEST(ImprovedLabels, KeepTheFacesOfTheDomain) {
-  for (const LabelCase& labels : cases(2)) {
+/// All that is said of a mesh is said of one, as improving takes a second each.
+TEST(ImprovedLabels, AreNeverWorseWhateverTheIndicatorsSay) {
+  for (const LabelCase& labels : cases(1)) {
     SCOPED_TRACE(labels.name);
-    LabelMeshing how{.domain = kBox};
+    LabelMeshing how{.domain = kBox, .levels = kMaxLevels, .threads = 1};
     const TetMesh plain = mesh_of(labels.functions, how).mesh;
     how.improve = true;
     const TetMesh improved = mesh_of(labels.functions, how).mesh;
-    double before = 0, after = 0;
-    for (const auto& [label, part] : parts_of(plain)) before += part.volume;
-    for (const auto& [label, part] : parts_of(improved)) after += part.volume;
-    EXPECT_NEAR(after, before, 1e-7);
-    for (const Triangle& triangle : boundary_triangles(plain)) {
-      for (const std::uint64_t v : triangle) {
-        ASSERT_EQ(improved.stored_position(v), plain.stored_position(v));
-      }
-    }
+    expect_no_worse(improved, plain);
+    expect_same_domain(improved, plain);
+    how.threads = 3;
+    EXPECT_TRUE(test::same_bytes(improved, mesh_of(labels.functions, how).mesh));
   }
 }
 
-TEST(ImprovedLabels, AreTheSameForAnyThreads) {
-  for (const LabelCase& labels : cases(3)) {
+/// Nor is what is stored in float32, where label 0 leaves holes. One brick has as many of them
+/// in the way of each vertex as two.
+TEST(ImprovedLabels, AreNeverWorseAroundWhatIsLeftOut) {
+  for (const LabelCase& labels : cases(1)) {
     SCOPED_TRACE(labels.name);
-    LabelMeshing how{.domain = kBox, .levels = 1, .threads = 1, .improve = true};
+    LabelMeshing how{.domain = {kBox.min, kBox.min}, .kept = {Label{0}}};
     how.coordinates = CoordinateType::kFloat32;
-    const FilledMesh first = mesh_of(labels.functions, how);
-    for (const int threads : {3}) {
-      how.threads = threads;
-      EXPECT_TRUE(test::same_bytes(first.mesh, mesh_of(labels.functions, how).mesh));
-    }
+    const TetMesh plain = mesh_of(labels.functions, how).mesh;
+    how.improve = true;
+    expect_no_worse(mesh_of(labels.functions, how).mesh, plain);
   }
 }
 
 /// A nest of three balls, cut in two by a plane, with a sheet one voxel thin on it.
 Shape nest(const VoxelTransform& transform = {}) {
-  constexpr int kEdge = 30;
+  constexpr int kEdge = 24;
   std::vector<std::int64_t> values;
   for (int z = 0; z < kEdge; ++z) {
     for (int y = 0; y < kEdge; ++y) {
       for (int x = 0; x < kEdge; ++x) {
-        const double dx = x - 14.3, dy = y - 15.1, dz = z - 14.7;
+        const double dx = x - 11.3, dy = y - 12.1, dz = z - 11.7;
         const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
-        const bool low = x < 14, sheet = x == 14;
-        values.push_back(r > 13 ? 0 : r > 9 ? (sheet ? 5 : 1) : r > 5 ? (low ? 2 : 3) : 4);
+        const bool low = x < 11, sheet = x == 11;
+        values.push_back(r > 10.5  ? 0
+                         : r > 7.5 ? (sheet ? 5 : 1)
+                         : r > 4.5 ? (low ? 2 : 3)
+                                   : 4);
       }
     }
   }

@@ -172,10 +172,10 @@ TEST(LevelSetLabels, OfAnyValuesMakeSoundMeshes) {
     // Some of them lie on one lattice, some do not.
     const GridList grids{test::random_grid(seed), test::random_grid(seed + 10),
                          test::random_grid(seed + 20)};
-    for (const double spacing : {0.1, 0.17}) {
-      sound_mesh(grids, solid_request({}, spacing));
-      sound_mesh(grids, solid_request({.mesh_background = true}, spacing));
-    }
+    sound_mesh(grids, solid_request({}, 0.17));
+    sound_mesh(grids, solid_request({.mesh_background = true}, 0.17));
+    // Finer, of which each mesh takes four times as long: with and without in turn.
+    sound_mesh(grids, solid_request({.mesh_background = seed % 2 == 0}, 0.1));
   }
 }
 

@@ -137,6 +137,14 @@ TEST(PostgresJobStore, IsNotHeldUpByAProcessThatStoppedInTheMiddleOfATransaction
   EXPECT_TRUE(absl::IsUnavailable(stopped->commit()));
 }
 
+TEST(PostgresJobStore, HasNoQueryCompiled) {
+  const PostgresHome home;
+  const auto connection = PostgresConnection::open(home.connection()).value();
+  const auto told = connection->run("SELECT current_setting('jit')", {});
+  ASSERT_TRUE(told.ok()) << told.status();
+  EXPECT_EQ(told->rows.at(0).text(0), "off");
+}
+
 TEST(PostgresJobStore, FindsChangesWithoutNotifications) {
   const PostgresHome home;
   const auto store =
