@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t kMostHoles = 8;  ///< one slot of so many
 /// Runs are looked up for ids that are not of one or two of them.
-constexpr std::uint64_t kTetsPerRun = 256, kFewRuns = 1024;
+constexpr std::uint64_t kTetsPerRun = 32, kFewRuns = 1024;
 constexpr std::uint64_t kTetsPerPiece = std::uint64_t{1} << 14;
 
 bool lies_in_order(const SlotLayout& layout) noexcept {
