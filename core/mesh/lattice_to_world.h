@@ -13,6 +13,8 @@ struct LatticeToWorld {
   VoxelCoord origin;  ///< a lattice corner; stored positions are relative to it
   bool mirrors =
       false;  ///< the map turns positive tets negative, so two of their nodes are swapped
+
+  friend bool operator==(const LatticeToWorld&, const LatticeToWorld&) = default;
 };
 
 }  // namespace tet

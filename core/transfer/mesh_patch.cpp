@@ -3,19 +3,32 @@
 #include <utility>
 
 namespace tet {
+namespace {
+
+bool has_more_runs(const KeptParts& kept, std::size_t most) {
+  return kept.vertices.size() + kept.tets.size() > most;
+}
+
+}  // namespace
 
 std::shared_ptr<const MeshPatch> MeshPatch::between(
     const std::shared_ptr<const BrickPlan>& earlier,
     std::shared_ptr<const BrickPlan> mesh,
-    PatchDetail detail) {
+    PatchDetail detail,
+    std::size_t most_runs) {
   if (earlier == nullptr || mesh == nullptr) return nullptr;
   const ComparedMesh before = earlier->counted(), now = mesh->counted();
   // Whether a field's values changed, too, nobody has compared.
+  // And the same place of the world may be another of the lattice, where a grid was moved.
   if (!can_splice(earlier->header(), mesh->header()) ||
-      before.mesh.rules() != now.mesh.rules()) {
+      before.mesh.rules() != now.mesh.rules() || earlier->to_world() != mesh->to_world()) {
     return nullptr;
   }
   MeshDifference difference = compare_meshes(before, now, detail);
+  if (has_more_runs(difference.kept, most_runs)) {
+    difference = compare_meshes(before, now, PatchDetail::kWhole);
+  }
+  if (has_more_runs(difference.kept, most_runs)) return nullptr;
   return std::shared_ptr<const MeshPatch>(
       new MeshPatch(std::move(mesh), std::move(difference)));
 }

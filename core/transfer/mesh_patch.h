@@ -1,6 +1,7 @@
 // What is new in a mesh that keeps parts of an earlier one, as chunks of its own.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -17,13 +18,19 @@ namespace tet {
 /// Immutable: any thread may call any member.
 class MeshPatch {
  public:
+  /// Runs are in a header, which is one message: of 21 bytes each at most, and gRPC's clients
+  /// take 4 MiB unless they say otherwise.
+  static constexpr std::size_t kMostRuns = 100'000;
+
   /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Null where no part can
-  /// be kept: one of them is null (see as_bricks), or they have other rules, types, spacings or
-  /// origins.
+  /// be kept: one of them is null (see as_bricks), they have other rules, types, spacings or
+  /// origins, or what is kept is more than so many runs even if bricks are
+  /// kept as a whole or not at all, which they are where it would be more otherwise.
   static std::shared_ptr<const MeshPatch> between(
       const std::shared_ptr<const BrickPlan>& earlier,
       std::shared_ptr<const BrickPlan> mesh,
-      PatchDetail detail = PatchDetail::kBricks);
+      PatchDetail detail = PatchDetail::kBricks,
+      std::size_t most_runs = kMostRuns);
 
   const KeptParts& kept() const noexcept { return difference_.kept; }
 
@@ -35,6 +42,9 @@ class MeshPatch {
   QualityStats fill(std::uint64_t patch,
                     MeshWorkspace& workspace,
                     ChunkColumns columns) const noexcept;
+
+  MeshPatch(const MeshPatch&) = delete;  // its own members look at others of them
+  MeshPatch& operator=(const MeshPatch&) = delete;
 
  private:
   MeshPatch(std::shared_ptr<const BrickPlan> mesh, MeshDifference difference);

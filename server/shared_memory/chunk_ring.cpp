@@ -67,7 +67,8 @@ void ChunkRing::acknowledged(std::uint64_t index) {
   if (is_next) return events_.freed();
   events_.broke(with_reason(absl::InvalidArgumentError(absl::StrCat(
                                 "the client acknowledged chunk ", index, ", and not chunk ",
-                                expected, ", which it was told of or is to be told of next")),
+                                expected, ", which it was told of or is to be told of next",
+                                news_ == ChunkNews::kBeside ? ", or one after that" : "")),
                             "MESSAGE_ORDER"));
 }
 

@@ -305,6 +305,10 @@ bool ChunkStream::after_write() {
   }
   if (written_ == Phase::kChunks) after_chunk();
   phase_ = written_ == Phase::kTrailer ? Phase::kSent : phase_of_next();
+  if (written_ == Phase::kChunks && phase_ != Phase::kChunks && shared_.tells_beside()) {
+    tell_of_rest();  // the last one fitted into no block
+    if (ended()) return false;
+  }
   return phase_ == Phase::kSent && all_acknowledged();
 }
 

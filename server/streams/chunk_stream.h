@@ -146,6 +146,7 @@ class ChunkStream : public StreamWriter {
   void open_ring();
   bool all_acknowledged();
   void tell_beside();
+  void tell_of_rest();
   bool tell_of_chunk();
   ChunkRing::Events ring_events();
   v1::MeshEvent whole_header() const;

@@ -76,8 +76,13 @@ void ChunkStream::tell_beside() {
     if (!tell_of_chunk()) return;
   }
   if (phase_ == Phase::kChunks) return;
-  if (!shared_.ring()->tell_beside(kNextIsInStream)) end(does_not_listen());
+  tell_of_rest();
   waits_ = phase_ == Phase::kSent;  // for the acknowledgements, of which the last is to come
+}
+
+/// Behind the last chunk: the rest is in the stream.
+void ChunkStream::tell_of_rest() {
+  if (!shared_.ring()->tell_beside(kNextIsInStream)) end(does_not_listen());
 }
 
 /// False where the chunk is to be written to the stream, and after an end.

@@ -83,7 +83,7 @@ class RemeshStream final : public ChunkStream {
 
   // Whoever has the frame touches these: from the message that was read to its last chunk.
   bool started_ = false, tells_refusals_ = false;
-  PatchDetail detail_ = PatchDetail::kBricks;  ///< kCells for clients who know loose patches
+  PatchDetail detail_ = PatchDetail::kBricks;  ///< kSlices for clients who know loose patches
   std::int64_t frames_ = 0;
   std::optional<FrameLeaves> incoming_;  ///< of the frame that is read, if it has any
   absl::Status incoming_status_;         ///< why that frame is refused

@@ -81,7 +81,8 @@ class SharedChunksTest : public testing::Test {
   const Cancellation never_;
   Descriptor listener_, accepted_;
   SealedMemory memory_;
-  SharedChunks chunks_{std::chrono::hours(1)};  // answers for several chunks, however slow we are
+  SharedChunks chunks_{
+      std::chrono::hours(1)};  // answers for several chunks, however slow we are
 };
 
 TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {

@@ -16,10 +16,11 @@ inline constexpr std::uint32_t kNewBrick = kNoBrick;
 /// Where each brick of a level is in the earlier mesh's level, kNewBrick where it is not.
 using BrickPlaces = std::vector<std::uint32_t>;
 
-/// What of a brick's tets is kept where not all are.
-enum class PatchDetail : bool {
-  kBricks,  ///< none
-  kSlices,  ///< those of each slice of 64 finest cells that read nothing that changed
+/// What of a brick is kept where not all is.
+enum class PatchDetail : std::uint8_t {
+  kWhole,   ///< nothing: of all the fewest runs
+  kBricks,  ///< the vertices that lie where they lay, and none of the tets
+  kSlices,  ///< these, and tets of each slice of 64 finest cells that read nothing that changed
 };
 
 /// Cells of some of a level's bricks.

@@ -88,7 +88,7 @@ std::vector<KeptOfBrick> find_kept_of_bricks(const ComparedMesh& earlier,
     if (kept.vertices[i] == kNewBrick || by_slices) parts.push_back({i, before, {}, {}, {}});
   }
   for_each_range(parts.size(), kPartsPerRange, [&](std::size_t begin, std::size_t end) {
-    VertexComparison vertices(earlier, now, level);
+    VertexComparison vertices(earlier, now, level, PatchDetail::kBricks);
     const TetComparison tets(earlier, now);
     for (std::size_t k = begin; k < end; ++k) {
       KeptOfBrick& part = parts[k];

@@ -93,10 +93,12 @@ struct OtherBrick {
 
 /// Finds the number of each brick in the earlier level where the brick is as it was, else
 /// kNewBrick; `same` has some of them, or is empty. `changed` gets the bricks that only one
-/// level has, and those that differ; and `partly_same` the earlier numbers of the latter.
+/// level has, and those that differ; and `partly_same` the earlier numbers of the latter,
+/// unless they keep nothing.
 BrickPlaces find_same(const ComparedMesh& earlier,
                       const ComparedMesh& now,
                       int level,
+                      PatchDetail detail,
                       BrickPlaces same,
                       std::vector<ChangedBrick>& changed,
                       BrickPlaces& partly_same) {
@@ -135,14 +137,15 @@ BrickPlaces find_same(const ComparedMesh& earlier,
     const bool was_there = at < before.size() && before[at] == bricks[i];
     if (same[i] == kNewBrick) {
       others.push_back({was_there ? at : kNewBrick, i});
-      if (was_there) partly_same[i] = static_cast<std::uint32_t>(at);
+      if (was_there && detail != PatchDetail::kWhole)
+        partly_same[i] = static_cast<std::uint32_t>(at);
     }
     at += was_there;
   }
   vanish_below(nullptr);
   changed.resize(others.size());
   for_each_range(others.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
-    VertexComparison comparison(earlier, now, level);
+    VertexComparison comparison(earlier, now, level, detail);
     for (std::size_t i = begin; i < end; ++i) {
       const auto [then, here] = others[i];
       comparison.look_at(then, here);
@@ -214,15 +217,16 @@ void add_level(const ComparedMesh& earlier,
 
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
                                          const ComparedMesh& now,
-                                         std::vector<BrickPlaces> unchanged) {
+                                         std::vector<BrickPlaces> unchanged,
+                                         PatchDetail detail) {
   unchanged.resize(now.mesh.tree().levels.size());
   std::vector<KeptBricks> kept;
   std::vector<std::vector<ChangedBrick>> changed;
   for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
     KeptBricks level_kept;
-    level_kept.vertices =
-        find_same(earlier, now, level, std::move(unchanged[static_cast<std::size_t>(level)]),
-                  changed.emplace_back(), level_kept.nodes);
+    level_kept.vertices = find_same(earlier, now, level, detail,
+                                    std::move(unchanged[static_cast<std::size_t>(level)]),
+                                    changed.emplace_back(), level_kept.nodes);
     level_kept.tets = level_kept.vertices;
     const OctreeLevel& tree_level = now.mesh.tree().levels[static_cast<std::size_t>(level)];
     if (level == 0) level_kept.read = ReadCells(tree_level.bricks.size());
@@ -238,8 +242,9 @@ MeshDifference compare_meshes(const ComparedMesh& earlier,
                               PatchDetail detail) {
   MeshDifference difference;
   std::vector<KeptBricks> found;
-  const std::vector<KeptBricks>* known = now.mesh.kept_of(earlier.mesh);
-  if (known == nullptr) found = find_kept_bricks(earlier, now);
+  const std::vector<KeptBricks>* const known =
+      detail == PatchDetail::kWhole ? nullptr : now.mesh.kept_of(earlier.mesh);
+  if (known == nullptr) found = find_kept_bricks(earlier, now, {}, detail);
   const std::vector<KeptBricks>& kept = known != nullptr ? *known : found;
   difference.kept.loose = detail == PatchDetail::kSlices;
   for (std::size_t l = 0; l < kept.size(); ++l) {

@@ -25,15 +25,16 @@ struct MeshDifference {
 
 /// Has one entry a level and reads neither mesh's counts. For the rest see compare_meshes.
 /// Bricks that are `unchanged` (see find_unchanged_bricks) are not looked at again; with an
-/// empty list all are.
+/// empty list all are. It is the same for all details but kWhole.
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
                                          const ComparedMesh& now,
-                                         std::vector<BrickPlaces> unchanged = {});
+                                         std::vector<BrickPlaces> unchanged = {},
+                                         PatchDetail detail = PatchDetail::kBricks);
 
 /// A brick's vertices are kept where each is there and lies where it lay; its tets where that
 /// holds for all cells and vertices that they read. Depends on the two fields and the request
-/// alone. Both meshes have the same rules, spacing and origin. What `now` found when it was
-/// counted after `earlier` is not looked for again. Parallel.
+/// alone. Both meshes have the same rules and the same way from lattice to world. What `now`
+/// found when it was counted after `earlier` is not looked for again. Parallel.
 MeshDifference compare_meshes(const ComparedMesh& earlier,
                               const ComparedMesh& now,
                               PatchDetail detail = PatchDetail::kBricks);

@@ -10,7 +10,7 @@ void VertexComparison::look_at(std::size_t before, std::size_t brick) {
   had_ = before == kNewBrick ? OwnedVertices{} : vertices_of(earlier_.mesh, before);
   has_ = brick == kNewBrick ? OwnedVertices{} : vertices_of(now_.mesh, brick);
   kept_ = {};
-  if (before == kNewBrick || brick == kNewBrick) return;
+  if (before == kNewBrick || brick == kNewBrick || detail_ == PatchDetail::kWhole) return;
   if (had_.at_surface && has_.at_surface) {
     had_.geometry = geometry_before_.of_brick(before).data();
     has_.geometry = geometry_.of_brick(brick).data();

@@ -17,8 +17,12 @@ namespace tet {
 /// Vertices that bricks of one level had and have.
 class VertexComparison {
  public:
-  VertexComparison(const ComparedMesh& earlier, const ComparedMesh& now, int level)
+  VertexComparison(const ComparedMesh& earlier,
+                   const ComparedMesh& now,
+                   int level,
+                   PatchDetail detail)
       : level_(level),
+        detail_(detail),
         earlier_(earlier),
         now_(now),
         geometry_before_(earlier),
@@ -38,6 +42,7 @@ class VertexComparison {
   OwnedVertices vertices_of(const CountedMesh& mesh, std::size_t brick) const;
 
   int level_;
+  PatchDetail detail_;
   const ComparedMesh& earlier_;
   const ComparedMesh& now_;
   FoundGeometry geometry_before_, geometry_;

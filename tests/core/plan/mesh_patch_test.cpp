@@ -85,7 +85,7 @@ TetMesh spliced(const TetMesh& earlier,
   return *std::move(mesh);
 }
 
-constexpr std::array kDetails{PatchDetail::kBricks, PatchDetail::kSlices};
+constexpr std::array kDetails{PatchDetail::kWhole, PatchDetail::kBricks, PatchDetail::kSlices};
 
 std::uint64_t kept_tets(const MeshPatch& patch) {
   std::uint64_t count = 0;
@@ -253,6 +253,44 @@ TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {
   other.preset = Preset::kMinAngle;
   const Volume ball = test::ball(12);
   EXPECT_EQ(patch_between(plan_of(ball, {}), plan_of(ball, other)), nullptr);
+}
+
+/// The same places of the world are others of the lattice then.
+TEST(MeshPatch, KeepsNothingOfAGridThatWasMovedByWholeCellsOrMirrored) {
+  MeshRequest request;
+  request.origin = WorldPoint{-64, -64, -64};
+  const Volume ball = dented_ball(5, {0, 30, 0});
+  Volume moved = ball, mirrored = ball;
+  moved.transform.translation = {0, 0, 8};
+  mirrored.transform.linear[1][1] = -1;
+  const Plan earlier = plan_of(ball, request);
+  for (const Volume& volume : {moved, mirrored}) {
+    const Plan now = plan_of(volume, request);
+    ASSERT_TRUE(earlier && now);
+    ASSERT_TRUE(can_splice(earlier->header(), now->header()));
+    EXPECT_EQ(patch_between(earlier, now), nullptr);
+  }
+}
+
+TEST(MeshPatch, KeepsBricksAsAWholeWhereItWouldBeTooManyRuns) {
+  const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
+  const auto whole = patch_between(earlier, now, PatchDetail::kWhole);
+  const auto by_slices = patch_between(earlier, now, PatchDetail::kSlices);
+  ASSERT_TRUE(whole && by_slices);
+  const auto runs = [](const MeshPatch& patch) {
+    return patch.kept().vertices.size() + patch.kept().tets.size();
+  };
+  ASSERT_LT(runs(*whole), runs(*by_slices));
+  const auto with_at_most = [&](std::size_t most) {
+    return MeshPatch::between(as_bricks(earlier), as_bricks(now), PatchDetail::kSlices, most);
+  };
+  EXPECT_TRUE(with_at_most(runs(*by_slices))->kept().loose);
+  const auto fewer = with_at_most(runs(*whole));
+  ASSERT_TRUE(fewer);
+  EXPECT_FALSE(fewer->kept().loose);
+  EXPECT_EQ(fewer->kept().vertices, whole->kept().vertices);
+  EXPECT_EQ(fewer->kept().tets, whole->kept().tets);
+  EXPECT_EQ(with_at_most(runs(*whole) - 1), nullptr);
 }
 
 TEST(Splice, IsTheSameInTheMemoryOfAnotherMesh) {

@@ -157,24 +157,34 @@ TEST_F(ChunksBeside, OneThatFitsIntoNoBlockComesInTheStream) {
   EXPECT_TRUE(shared.shared_memory);
   EXPECT_TRUE(same_bytes(by_port.mesh, shared.mesh));
 
-  BesideClient client(socket_);
-  client.begin(stream_of(mesh));
-  ASSERT_TRUE(client.has_ring());
-  client.take_memory();
-  std::uint64_t index = 0, in_stream = 0;
-  for (; index < shared.mesh.header.chunk_count; ++index) {
-    if (!client.next()) {
-      ASSERT_TRUE(client.read_chunk());
-      EXPECT_FALSE(client.chunk().has_shared_offset());
-      EXPECT_EQ(client.chunk().index(), static_cast<std::int64_t>(index));
-      ++in_stream;
+  v1::StreamMeshRequest request = stream_of(mesh);
+  std::vector<std::uint64_t> in_stream;
+  const auto take_all = [&](std::uint64_t chunks) {
+    in_stream.clear();
+    BesideClient client(socket_);
+    client.begin(request);
+    ASSERT_TRUE(client.has_ring());
+    client.take_memory();
+    for (std::uint64_t index = 0; index < chunks; ++index) {
+      if (!client.next()) {
+        ASSERT_TRUE(client.read_chunk());
+        EXPECT_FALSE(client.chunk().has_shared_offset());
+        EXPECT_EQ(client.chunk().index(), static_cast<std::int64_t>(index));
+        in_stream.push_back(index);
+      }
+      client.say(index);
     }
-    client.say(index);
-  }
-  EXPECT_GT(in_stream, 0U);
-  EXPECT_LT(in_stream, index);
-  EXPECT_FALSE(client.next().has_value());
-  EXPECT_TRUE(client.finish().ok());
+    EXPECT_FALSE(client.next().has_value());
+    EXPECT_TRUE(client.finish().ok());
+  };
+  take_all(shared.mesh.header.chunk_count);
+  ASSERT_FALSE(in_stream.empty() || HasFailure());
+  EXPECT_LT(in_stream.size(), shared.mesh.header.chunk_count);
+  // And as the last one that is asked for.
+  const std::uint64_t last = in_stream.front();
+  request.set_end_chunk(static_cast<std::int64_t>(last + 1));
+  take_all(last + 1);
+  EXPECT_EQ(in_stream, std::vector{last});
 }
 
 TEST_F(ChunksBeside, AreNoneWhereThereIsNoChunk) {

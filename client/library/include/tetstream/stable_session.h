@@ -46,8 +46,8 @@ struct StableMesh {
   /// has to be read again. With the first frame, and where it is renumbered, all of them.
   std::vector<SlotRange> changed_vertices, changed_tets;
   /// Every vertex and tet has the id that it has in the mesh's own order, whatever it had
-  /// before: in the first frame, where nothing could be kept, and where more than an eighth of
-  /// the slots would be empty.
+  /// before: in the first frame, where nothing could be kept, where more than an eighth of
+  /// the slots would be empty, and where the mesh would lie in too many runs of slots.
   bool renumbered = false;
   /// Keeps the memory of `columns`, whatever an update makes of what is there. An update that
   /// needs more room, or renumbers, moves the columns elsewhere and leaves this as it was.
@@ -56,7 +56,7 @@ struct StableMesh {
 
 /// A session whose mesh is patched in place: an update takes time in proportion to what is new,
 /// and copies nothing else. Its ids depend on all of its frames in their order, and on nothing
-/// else; they are the same here and on a server. `in_order` is the mesh that `Session` has.
+/// else; they are the same here and on a server of the same version. `in_order` is the mesh that `Session` has.
 ///
 /// A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After
 /// any other failure, of the connection for instance, the session is over, and its mesh is
