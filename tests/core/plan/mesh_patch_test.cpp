@@ -255,7 +255,7 @@ TEST(MeshPatch, KeepsNothingOfAMeshByOtherRules) {
   EXPECT_EQ(patch_between(plan_of(ball, {}), plan_of(ball, other)), nullptr);
 }
 
-/// The same places of the world are others of the lattice then.
+/// Then the lattice has the same places of the world elsewhere.
 TEST(MeshPatch, KeepsNothingOfAGridThatWasMovedByWholeCellsOrMirrored) {
   MeshRequest request;
   request.origin = WorldPoint{-64, -64, -64};
