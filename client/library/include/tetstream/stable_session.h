@@ -56,7 +56,8 @@ struct StableMesh {
 
 /// A session whose mesh is patched in place: an update takes time in proportion to what is new,
 /// and copies nothing else. Its ids depend on all of its frames in their order, and on nothing
-/// else; they are the same here and on a server of the same version. `in_order` is the mesh that `Session` has.
+/// else; they are the same here and on a server of the same version. `in_order` is the mesh
+/// that `Session` has.
 ///
 /// A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After
 /// any other failure, of the connection for instance, the session is over, and its mesh is
