@@ -17,7 +17,7 @@ class FoundGeometry {
  public:
   explicit FoundGeometry(const ComparedMesh& of) : of_(of), sampler_(of.field) {}
 
-  /// Of a brick at the surface; valid until the next one is asked for.
+  /// Finds it of a brick at the surface. It is valid until the next one is asked for.
   std::span<const std::byte> of_brick(std::size_t brick);
 
  private:
