@@ -23,6 +23,17 @@ void StreamWriter::close(const absl::Status& status) {
   advance();
 }
 
+/// What sees that it is abandoned may end the call, too, with another status; so that comes
+/// after this one.
+void StreamWriter::break_off(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    end(status);
+  }
+  abandon();
+  advance();
+}
+
 void StreamWriter::end(const absl::Status& status) {
   if (std::exchange(ended_, true)) return;
   status_ = status;
@@ -68,7 +79,6 @@ StreamWriter::Step StreamWriter::next_step() {
 
 void StreamWriter::written(bool ok) {
   bool all = false;
-  if (!ok) abandon();
   {
     const std::lock_guard lock(mutex_);
     writing_ = false;
@@ -77,6 +87,7 @@ void StreamWriter::written(bool ok) {
         guarded(call_.method().c_str(), [&] { all = after_write() && !ended_; });
     if (!status.ok()) end(status);
   }
+  if (!ok) abandon();
   if (all) guard([this] { sent_all(); });
   advance();
 }
@@ -126,21 +137,11 @@ void StreamWriter::hold_while(const std::function<void()>& action) {
 /// The client goes on elsewhere, with what it has.
 void StreamWriter::end_with_server() {
   call_.on_cut([weak = weak_from_this()] {
-    const auto self = weak.lock();
-    if (self == nullptr) return;
-    {
-      const std::lock_guard lock(self->mutex_);
-      self->end(shutting_down());
-    }
-    self->abandon();
-    self->advance();
+    if (const auto self = weak.lock()) self->break_off(shutting_down());
   });
 }
 
-void StreamWriter::cancelled() {
-  abandon();
-  close(gone());
-}
+void StreamWriter::cancelled() { break_off(gone()); }
 
 absl::Status StreamWriter::gone() const {
   return client_gone(Cancellation(deadline_of(context_)));

@@ -60,7 +60,9 @@ class StreamWriter : public Stallable, public std::enable_shared_from_this<Strea
   void advance();
   /// The call ends with `status` as soon as nothing is being written; the first status counts.
   void close(const absl::Status& status);
-  /// Does so with the lock held, and takes no step.
+  /// Does so, and abandons what is being made for it.
+  void break_off(const absl::Status& status);
+  /// Ends the call with the lock held, and takes no step.
   void end(const absl::Status& status);
   /// Whether it ends; with the lock.
   bool ended() const { return ended_; }

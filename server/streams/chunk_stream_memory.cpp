@@ -62,10 +62,7 @@ ChunkRing::Events ChunkStream::ring_events() {
             if (const auto stream = weak.lock()) stream->post_freed();
           },
           [weak](const absl::Status& why) {
-            const auto stream = weak.lock();
-            if (stream == nullptr) return;
-            stream->abandon();
-            stream->close(why);
+            if (const auto stream = weak.lock()) stream->break_off(why);
           }};
 }
 
@@ -136,8 +133,7 @@ std::optional<Stallable::Clock::time_point> ChunkStream::waiting_since() {
 void ChunkStream::give_up(std::chrono::seconds waited) {
   const bool writing = StreamWriter::waiting_since().has_value();
   if (writing || !waiting_since()) return StreamWriter::give_up(waited);
-  abandon();
-  close(client_stalled("acknowledged no chunk", waited));
+  break_off(client_stalled("acknowledged no chunk", waited));
 }
 
 }  // namespace tet

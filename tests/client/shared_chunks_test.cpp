@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <fcntl.h>
+#include <functional>
 #include <sys/mman.h>
 #include <thread>
 #include <vector>
@@ -31,11 +32,14 @@ class SharedChunksTest : public testing::Test {
 
   /// The client connects and is told a token.
   void meet() {
+    meet_while([&] { EXPECT_EQ(chunks_.begin(path_, never_), token_); });
+  }
+  void meet_while(const std::function<void()>& client) {
     std::thread server([&] {
       while (!accepted_.is_open()) accepted_ = accept_packets(listener_);
       send_packet(accepted_, std::as_bytes(std::span(token_)));
     });
-    EXPECT_EQ(chunks_.begin(path_, never_), token_);
+    client();
     server.join();
   }
 
@@ -113,6 +117,22 @@ TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {
   SideMessage said{};
   EXPECT_EQ(take_packet(accepted_, said), Packet::kTaken);
   EXPECT_EQ(side_number(said), 5u);
+}
+
+TEST_F(SharedChunksTest, AsksForEventsWhereverItAsksForMemory) {
+  v1::StreamMeshRequest stream;
+  v1::RemeshRequest session;
+  meet_while([&] { chunks_.ask(stream, path_, never_); });
+  EXPECT_EQ(stream.shared_memory(), token_);
+  EXPECT_TRUE(stream.shared_memory_events());
+  chunks_ = SharedChunks();
+  accepted_ = Descriptor();
+  meet_while([&] { chunks_.ask(session, path_, never_); });
+  EXPECT_EQ(session.shared_memory(), token_);
+  EXPECT_TRUE(session.shared_memory_events());
+  chunks_.ask(stream, "", never_);  // at a server elsewhere
+  EXPECT_EQ(stream.shared_memory(), "");
+  EXPECT_FALSE(stream.shared_memory_events());
 }
 
 TEST_F(SharedChunksTest, CopiesNothingFromBeyondTheMemory) {
