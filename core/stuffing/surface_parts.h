@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/brick_mask.h"
+#include "core/base/heap_bytes.h"
 #include "core/lattice/bcc.h"
 #include "core/stuffing/surface_regions.h"
 
@@ -43,6 +44,11 @@ struct SurfaceParts {
   /// may lack any. `near` is any number at first, and becomes a place to search from: vertices
   /// that are asked for in ascending order are found soon.
   std::optional<std::uint16_t> part(std::uint16_t element, std::size_t& near) const noexcept;
+
+  /// Memory it takes.
+  std::uint64_t bytes() const noexcept {
+    return sizeof(*this) + all_heap_bytes(links, part_of, beside);
+  }
 };
 
 /// Where a vertex is, of a node at an index of a brick's halo: its brick, each coordinate -1, 0

@@ -38,7 +38,8 @@ class SurfacePieces {
 
  private:
   std::vector<std::uint64_t> first_pieces() {
-    for (const PartsOfBrick& of_brick : survey_.parts) parts_[of_brick.brick] = &of_brick.parts;
+    for (const PartsOfBrick& of_brick : survey_.parts)
+      parts_[of_brick.brick] = of_brick.parts.get();
     return offsets_from_counts(survey_.bricks.size(), [&](std::size_t i) {
       if (parts_[i] != nullptr) return std::uint64_t{parts_[i]->count};
       return std::uint64_t{is_sheet(i) ? 1U : 0U};
@@ -66,18 +67,46 @@ class SurfacePieces {
         unite_with_sheet(first_[brick] + p, around[place]);
       }
     }
+    unite_links(first_[brick], parts.links, around);
+  }
+
+  /// Bricks around that have parts, and those of them that have but one.
+  struct PartsAround {
+    BricksAround any = 0, one = 0;
+  };
+
+  PartsAround parts_around(const PlacesAround& around) const noexcept {
+    PartsAround found;
+    for (std::size_t place = 0; place < around.size(); ++place) {
+      if (around[place] == kNoBrick || parts_[around[place]] == nullptr) continue;
+      found.any |= BricksAround{1} << place;
+      if (parts_[around[place]]->count == 1) found.one |= BricksAround{1} << place;
+    }
+    return found;
+  }
+
+  void unite_links(std::uint64_t first,
+                   const std::vector<SurfaceLink>& links,
+                   const PlacesAround& around) {
+    const PartsAround with = parts_around(around);
+    // To a brick of one part the first link of a part says all.
+    BricksAround asked = with.any;
+    std::uint16_t of_part = 0;
     // Where the last link to each brick led, and the pieces that it united: most links of a
     // part unite the same ones again.
     std::array<std::size_t, 27> found{};
     std::array<std::pair<std::uint64_t, std::uint64_t>, 27> united{};
-    for (const SurfaceLink& link : parts.links) {
+    for (const SurfaceLink& link : links) {
+      if (std::exchange(of_part, link.part) != link.part) asked = with.any;
       const auto [x, y, z] = link.to_brick;
       const auto place = static_cast<std::size_t>(9 * (x + 1) + 3 * (y + 1) + z + 1);
+      const BricksAround bit = BricksAround{1} << place;
+      if ((asked & bit) == 0) continue;
+      asked &= ~(with.one & bit);
       const std::uint32_t other = around[place];
-      if (other == kNoBrick || parts_[other] == nullptr) continue;
       const auto part = parts_[other]->part(link.element, found[place]);
       if (!part) continue;
-      const std::pair pieces(first_[brick] + link.part, first_[other] + *part);
+      const std::pair pieces(first + link.part, first_[other] + *part);
       if (std::exchange(united[place], pieces) == pieces) continue;
       pieces_.unite(pieces.first, pieces.second);
     }

@@ -130,7 +130,7 @@ void survey_parts(const WarpedLattice& lattice,
   }
   std::optional<SurfaceParts> parts = parts_between_regions(regions);
   if (!parts) parts = walk_surface(lattice, workspace);
-  found.parts = std::make_unique<SurfaceParts>(*std::move(parts));
+  found.parts = std::make_shared<const SurfaceParts>(*std::move(parts));
 }
 
 void survey_topology(const WarpedLattice& lattice,
@@ -363,7 +363,10 @@ InsideTest Survey::inside_test() const {
 }
 
 std::uint64_t Survey::bytes() const noexcept {
-  return all_heap_bytes(bricks, stuffed, finest, fans, geometry.of_brick, geometry.blocks, thin,
+  std::uint64_t of_parts = 0;
+  for (const PartsOfBrick& brick : parts) of_parts += brick.parts->bytes();
+  return of_parts +
+         all_heap_bytes(bricks, stuffed, finest, fans, geometry.of_brick, geometry.blocks, thin,
                         counts, sheets, parts) +
          geometry.block_bytes;
 }

@@ -55,7 +55,8 @@ inline constexpr std::uint32_t kNotKnown = ~std::uint32_t{0};
 /// The surface's parts near one brick of a survey.
 struct PartsOfBrick {
   std::uint32_t brick = 0;  ///< its place
-  SurfaceParts parts;
+  /// Shared with the later surveys in which they are the same.
+  std::shared_ptr<const SurfaceParts> parts;
 };
 
 /// What the survey found, by brick; only bricks whose nodes touch the surface.

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -130,7 +131,7 @@ struct LinkRow {
 };
 
 void write_parts(const PartsOfBrick& brick, SurveyWriter& out) {
-  const SurfaceParts& parts = brick.parts;
+  const SurfaceParts& parts = *brick.parts;
   std::vector<LinkRow> links;
   for (const SurfaceLink& link : parts.links) {
     links.push_back(
@@ -149,11 +150,10 @@ bool is_beside(std::int32_t step) { return step >= -1 && step <= 1; }
 
 /// Returns nothing where a part or a brick is named that there is not.
 std::optional<PartsOfBrick> read_parts(SurveyReader& in, std::size_t bricks) {
-  PartsOfBrick brick;
-  brick.brick = in.row<std::uint32_t>();
-  SurfaceParts& parts = brick.parts;
+  const auto brick = in.row<std::uint32_t>();
+  SurfaceParts parts;
   parts.count = in.row<std::uint16_t>();
-  bool sound = brick.brick < bricks;
+  bool sound = brick < bricks;
   for (const LinkRow& link : in.column<LinkRow>()) {
     sound = sound && is_beside(link.x) && is_beside(link.y) && is_beside(link.z) &&
             link.part < parts.count;
@@ -168,7 +168,7 @@ std::optional<PartsOfBrick> read_parts(SurveyReader& in, std::size_t bricks) {
   sound = sound && parts.beside.size() == parts.count;
   for (const BricksAround beside : parts.beside) sound = sound && beside >> kBricksAround == 0;
   if (!sound || in.failed()) return std::nullopt;
-  return brick;
+  return PartsOfBrick{brick, std::make_shared<const SurfaceParts>(std::move(parts))};
 }
 
 std::vector<std::uint32_t> pack(const std::vector<SurfaceSheet>& sheets) {

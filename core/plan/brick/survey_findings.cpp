@@ -48,7 +48,7 @@ void add_surveyed(SurveyedBrick& found, bool both_sides, Survey& survey) {
   survey.counts.push_back(found.surface.counts);
   if (found.parts) {
     survey.parts.push_back(
-        {static_cast<std::uint32_t>(survey.sheets.size()), std::move(*found.parts)});
+        {static_cast<std::uint32_t>(survey.sheets.size()), std::move(found.parts)});
   }
   survey.sheets.push_back(found.surface.sheet);
   survey.box_cuts_surface = survey.box_cuts_surface || found.at_domain_face;

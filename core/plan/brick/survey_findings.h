@@ -19,8 +19,9 @@ struct SurveyedBrick {
   BrickMask finest;
   std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
-  std::unique_ptr<SurfaceParts> parts;  ///< where the surface is not known to be one sheet
-  bool at_domain_face = false;          ///< some tet near a face of the domain is cut or moved
+  std::shared_ptr<const SurfaceParts>
+      parts;                    ///< where the surface is not known to be one sheet
+  bool at_domain_face = false;  ///< some tet near a face of the domain is cut or moved
 };
 
 /// What was found of each of some candidates.

@@ -159,7 +159,7 @@ TEST(DividedSurvey, SurvivesEveryChangedByte) {
       EXPECT_EQ(read->bricks.size(), read->stuffed.size());
       for (const PartsOfBrick& parts : read->parts) {
         EXPECT_LT(parts.brick, read->bricks.size());
-        EXPECT_EQ(parts.parts.beside.size(), parts.parts.count);
+        EXPECT_EQ(parts.parts->beside.size(), parts.parts->count);
       }
     }
     byte = was;
