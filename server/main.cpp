@@ -17,7 +17,6 @@
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
-#include <grpc/grpc.h>
 
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
@@ -206,8 +205,7 @@ void go_lame(tet::Server& server, std::chrono::seconds time) {
 }
 
 int serve(const tet::Config& config, const sigset_t& signals) {
-  // Never given back: its end waits for ten seconds for a thread that polls connections.
-  grpc_init();
+  tet::keep_grpc();
   tet::keep_read_blocks();
   raise_file_limit();
   tet::log_grpc_messages();

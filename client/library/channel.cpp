@@ -189,6 +189,7 @@ absl::StatusOr<ServerChannel> open_channel(const std::string& address,
                                            const ChannelOptions& options) {
   if (absl::Status status = check_address(address); !status.ok()) return status;
   if (absl::Status status = check_token(address, options); !status.ok()) return status;
+  keep_grpc();
   grpc::ChannelArguments arguments = channel_arguments();
   Credentials credentials = grpc::InsecureChannelCredentials();
   ServerChannel opened;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <malloc.h>
 
+#include <grpc/grpc.h>
 #include <grpc/support/log.h>
 
 namespace tet {
@@ -25,6 +26,13 @@ void keep_read_blocks() noexcept {
 
 void quieten_grpc() noexcept {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
+}
+
+void keep_grpc() noexcept {
+  [[maybe_unused]] static const bool kept = [] {
+    grpc_init();  // never given back
+    return true;
+  }();
 }
 
 // Threads' arenas keep what fragments leave free, whatever the threshold. Plans that follow

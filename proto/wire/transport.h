@@ -47,6 +47,10 @@ void keep_read_blocks() noexcept;
 /// the environment lets it.
 void quieten_grpc() noexcept;
 
+/// Keeps gRPC when its last channel or server has gone: its end waits up to ten seconds for a
+/// thread that polls connections.
+void keep_grpc() noexcept;
+
 /// Gives memory that work of another kind left free back to the system, if there is much of it;
 /// at most once a second. Any thread may call it.
 void give_back_free_memory() noexcept;

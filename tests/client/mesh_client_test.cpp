@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <gmock/gmock.h>
+#include <grpc/grpc.h>
 #include <gtest/gtest.h>
 
 #include "client/library/mesh_receiver.h"
@@ -269,6 +270,12 @@ TEST(MeshReceiver, RefusesBytesThatWereChanged) {
   changed.mutable_chunk()->mutable_positions()->at(7) = '\2';
   EXPECT_EQ(receiver.take(changed).code(), absl::StatusCode::kDataLoss);
   EXPECT_TRUE(receiver.take(small_chunk()).ok());
+}
+
+TEST(MeshClient, LeavesGrpcRunningWhenTheLastOneGoes) {
+  // Whoever let go of it otherwise might wait ten seconds for its end.
+  EXPECT_NE(MeshClient::connect("127.0.0.1:1"), nullptr);
+  EXPECT_TRUE(grpc_is_initialized());
 }
 
 TEST(MeshReceiver, RefusesChunksOutOfPlace) {
