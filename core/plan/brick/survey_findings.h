@@ -19,8 +19,8 @@ struct SurveyedBrick {
   BrickMask finest;
   std::unique_ptr<FanMasks> fans;  ///< where both sides are meshed
   SurveyedSurface surface;
-  std::shared_ptr<const SurfaceParts>
-      parts;                    ///< where the surface is not known to be one sheet
+  /// Where the surface is not known to be one sheet.
+  std::shared_ptr<const SurfaceParts> parts;
   bool at_domain_face = false;  ///< some tet near a face of the domain is cut or moved
 };
 
