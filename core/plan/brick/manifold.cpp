@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 
 #include "core/base/brick_index.h"
@@ -20,7 +21,6 @@ struct NodeStates {
   NodeMasks plus, zero;
   NodeMasks inside;  ///< by their own samples
   NodeMasks restored;
-  bool near_surface = false;
 };
 
 NodeMasks own_part(const std::array<HaloSet, kNodeKinds>& nodes) noexcept {
@@ -45,11 +45,11 @@ class Restoration {
       for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
         if (!stuff_brick(sampler, bricks[i], rules, nullptr, *workspace)) continue;
         const StuffedLattice& lattice = workspace->lattice;
-        states_[i] = {own_part(lattice.warped.plus),
-                      own_part(lattice.warped.zero),
-                      own_part(lattice.cuts.signs.inside),
-                      {},
-                      true};
+        states_[i] =
+            std::make_unique<NodeStates>(NodeStates{own_part(lattice.warped.plus),
+                                                    own_part(lattice.warped.zero),
+                                                    own_part(lattice.cuts.signs.inside),
+                                                    {}});
       }
     });
   }
@@ -58,7 +58,7 @@ class Restoration {
   void run() {
     std::vector<std::uint32_t> active;
     for (std::uint32_t i = 0; i < states_.size(); ++i) {
-      if (states_[i].near_surface) active.push_back(i);
+      if (states_[i] != nullptr) active.push_back(i);
     }
     while (!active.empty() && !cancellation_.requested()) active = run_round(active);
   }
@@ -67,9 +67,9 @@ class Restoration {
     std::vector<BrickCoord> bricks;
     std::vector<NodeMasks> nodes;
     for (std::size_t i = 0; i < states_.size(); ++i) {
-      if (!any(states_[i].restored)) continue;
+      if (states_[i] == nullptr || !any(states_[i]->restored)) continue;
       bricks.push_back(bricks_[i]);
-      nodes.push_back(states_[i].restored);
+      nodes.push_back(states_[i]->restored);
     }
     if (bricks.empty()) return nullptr;
     return std::make_shared<const RestoredNodes>(std::move(bricks), std::move(nodes));
@@ -88,10 +88,9 @@ class Restoration {
     std::vector<bool> again(states_.size());
     for (std::size_t i = 0; i < active.size(); ++i) {
       if (!any(bad[i])) continue;
-      restore(states_[active[i]], bad[i]);
-      for_each_neighbour(bricks_[active[i]], [&](std::uint32_t at, int, int, int) {
-        again[at] = states_[at].near_surface;
-      });
+      restore(*states_[active[i]], bad[i]);
+      for_each_neighbour(bricks_[active[i]],
+                         [&](std::uint32_t at, int, int, int) { again[at] = true; });
     }
     std::vector<std::uint32_t> next;
     for (std::uint32_t i = 0; i < again.size(); ++i) {
@@ -104,8 +103,8 @@ class Restoration {
     std::array<HaloSet, kNodeKinds> plus, zero;
     for_each_neighbour(bricks_[brick], [&](std::uint32_t at, int x, int y, int z) {
       for (const NodeKind kind : {kCorner, kCentre}) {
-        add_brick(plus[kind], states_[at].plus[kind], x, y, z);
-        add_brick(zero[kind], states_[at].zero[kind], x, y, z);
+        add_brick(plus[kind], states_[at]->plus[kind], x, y, z);
+        add_brick(zero[kind], states_[at]->zero[kind], x, y, z);
       }
     });
     return non_manifold_nodes(plus, zero);
@@ -119,13 +118,14 @@ class Restoration {
     }
   }
 
+  /// Of those that the surface is near to, itself among them.
   template <class Visit>
   void for_each_neighbour(BrickCoord b, const Visit& visit) const {
     for (int x = -1; x <= 1; ++x) {
       for (int y = -1; y <= 1; ++y) {
         for (int z = -1; z <= 1; ++z) {
           const std::uint32_t at = index_.find({b.x + x, b.y + y, b.z + z});
-          if (at != kNoBrick) visit(at, x, y, z);
+          if (at != kNoBrick && states_[at] != nullptr) visit(at, x, y, z);
         }
       }
     }
@@ -134,7 +134,9 @@ class Restoration {
   const std::vector<BrickCoord>& bricks_;
   const Cancellation& cancellation_;
   BrickIndex index_;
-  std::vector<NodeStates> states_;
+  /// Null where the surface is not near: where the lattice is finer than the voxels, as most
+  /// candidates are, all of their states would be hundreds of megabytes to clear.
+  std::vector<std::unique_ptr<NodeStates>> states_;
 };
 
 }  // namespace
