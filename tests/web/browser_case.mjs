@@ -2,7 +2,7 @@
 import { spawn, execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, openSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
-import { createServer } from "node:net";
+import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
@@ -89,6 +89,51 @@ export class RunningServer {
     const ended = new Promise((done) => this.process.once("exit", done));
     this.process.kill("SIGKILL");
     await ended;
+  }
+}
+
+/** A way to a server that stops, while it is held, after so many bytes of each connection's answers; `url` is where it begins. */
+export class HeldWire {
+  answers = new Set();
+  left = Infinity;
+
+  async start(server) {
+    this.listener = createServer((asked) => this.join(asked, connect(server.port, "127.0.0.1")));
+    await new Promise((done) => this.listener.listen(0, "127.0.0.1", done));
+    this.url = `http://127.0.0.1:${this.listener.address().port}/`;
+    return this;
+  }
+
+  join(asked, answer) {
+    this.answers.add(answer);
+    answer.left = this.left;
+    asked.pipe(answer);
+    answer.on("data", (bytes) => {
+      answer.left -= bytes.length;
+      if (!asked.write(bytes) || answer.left < 0) answer.pause();
+    });
+    asked.on("drain", () => answer.left >= 0 && answer.resume());
+    answer.on("end", () => asked.end());
+    for (const [one, other] of [[asked, answer], [answer, asked]]) {
+      one.on("error", () => one.destroy());
+      one.on("close", () => other.destroy());
+    }
+    answer.on("close", () => this.answers.delete(answer));
+  }
+
+  /** From now on each connection's answers stop after so many bytes. */
+  hold(bytes) {
+    this.left = bytes;
+    for (const answer of this.answers) answer.left = bytes;
+  }
+
+  release() {
+    this.hold(Infinity);
+    for (const answer of this.answers) answer.resume();
+  }
+
+  close() {
+    this.listener.close();
   }
 }
 

@@ -7,7 +7,7 @@ import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { it } from "node:test";
-import { axeSource, binary, difference, drawn, makeFixture, meshIs, until } from "./browser_case.mjs";
+import { axeSource, binary, difference, drawn, HeldWire, makeFixture, meshIs, until } from "./browser_case.mjs";
 import { chooseBall, makeBunny, mesh, part, setSpacing, stage, triangles } from "./page_steps.mjs";
 
 /** A box from the origin to `high` as binary STL, without its first triangles. */
@@ -26,7 +26,8 @@ part("Meshes", () => {
   const held = stage();
 
   it("draws a dropped file's mesh while it comes, and nothing leaves the host", async () => {
-    const page = await held.browser.open(held.server.url);
+    const wire = await new HeldWire().start(held.server);
+    const page = await held.browser.open(wire.url);
     const bytes = readFileSync(held.ball).toString("base64");
     const data = await page.evaluateHandle((text) => {
       const transfer = new DataTransfer();
@@ -41,7 +42,11 @@ part("Meshes", () => {
     assert.match(await page.textContent("#info"), /level set, [\d,]+ voxels of 0\.04/);
     await setSpacing(page, -0.5);
     const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
-    await mesh(page);
+    wire.hold(2 ** 19);  // of 1.6 MB
+    await page.click("#go");
+    await until(page, () => Number(document.getElementById("canvas").dataset.triangles) > 0);
+    wire.release();
+    await meshIs(page, "done", "failed");
     assert.ok((await page.textContent("#status")).startsWith(estimated));
     const port = held.server.lines().find((line) => line.event === "serving").address.split(":").pop();
     assert.match(await page.inputValue("#command"), new RegExp(`--server 127\\.0\\.0\\.1:${port}$`));
@@ -53,8 +58,9 @@ part("Meshes", () => {
     assert.equal(await page.locator("#worst button").count(), 10);
     assert.equal(await page.locator("#histogram line").count(), 2);
     assert.match(await page.inputValue("#command"), /^tetstream mesh ball\.vdb -o mesh\.vtu --grid \S+ --spacing 0\.02/);
-    for (const url of page.requested) assert.ok(url.startsWith(held.server.url) || url.startsWith("blob:"), url);
+    for (const url of page.requested) assert.ok(url.startsWith(wire.url) || url.startsWith("blob:"), url);
     assert.deepEqual(page.errors, []);
+    wire.close();
   });
 
   it("makes a solid of a dropped surface, or says why not", async () => {
@@ -83,18 +89,22 @@ part("Meshes", () => {
   });
 
   it("cancels, and the server stops", async () => {
-    const page = await held.browser.open(held.server.url);
+    const wire = await new HeldWire().start(held.server);
+    const page = await held.browser.open(wire.url);
     await chooseBall(page, held);
-    await setSpacing(page, -2);  // more than a tab takes in one moment
+    await setSpacing(page, -2);
+    wire.hold(2 ** 22);  // of 36 MB, of which what lies between server and tab has room for half
     await page.click("#go");
     await until(page, () => Number(document.getElementById("canvas").dataset.triangles) > 0 ||
       document.body.dataset.mesh !== "running");
     await page.click("#stop", { force: true });
-    await meshIs(page, "cancelled", "done");
+    await meshIs(page, "cancelled", "done", "failed");
     assert.equal(await page.evaluate(() => document.body.dataset.mesh), "cancelled");
     await held.server.says("call", (line) => line.method === "StreamMesh" && line.status === "CANCELLED");
+    wire.release();
     await setSpacing(page, 0);
     await mesh(page);  // and it can go on
+    wire.close();
   });
 });
 
