@@ -5,6 +5,7 @@
 #   tet_on_demand(TARGET...)                      what only `everything` or its own name builds
 #   tet_test(name SOURCES ... DEPENDS ... LABELS ...)  a GoogleTest binary, one ctest per TEST
 #   tet_is_test(target)             what else is of tests alone: a library of theirs, a program
+#   tet_mostly_wait(target...)      tests that wait more than they compute
 #   tet_costs(TEST seconds ...)     tests of this folder that are to begin early
 include(CheckCXXCompilerFlag)
 include(GoogleTest)
@@ -153,6 +154,16 @@ add_custom_target(sanitized_tests)
 function(tet_is_test target)
   target_compile_options(${target} PRIVATE -O1)
   set_target_properties(${target} PROPERTIES TET_IS_TEST ON)
+endfunction()
+
+# Tests that wait for a service more than they compute. Where accesses are looked at, optimising them takes
+# as long again as compiling them, and saves nothing.
+function(tet_mostly_wait)
+  if(TET_SANITIZE)
+    foreach(target IN LISTS ARGN)
+      target_compile_options(${target} PRIVATE -O0)
+    endforeach()
+  endif()
 endfunction()
 
 # ONE_PROCESS runs all tests of a program as one ctest: for programs that take longer to start than
