@@ -1,5 +1,6 @@
 #include "core/transfer/mesh_patch.h"
 
+#include <cstdint>
 #include <utility>
 
 namespace tet {
@@ -9,13 +10,19 @@ bool has_more_runs(const KeptParts& kept, std::size_t most) {
   return kept.vertices.size() + kept.tets.size() > most;
 }
 
+bool keeps_less(const KeptParts& kept, std::uint64_t tets, std::uint64_t least) {
+  std::uint64_t kept_tets = 0;
+  for (const KeptRun& run : kept.tets) kept_tets += run.count;
+  return least > 0 && kept_tets < tets / least;
+}
+
 }  // namespace
 
 std::shared_ptr<const MeshPatch> MeshPatch::between(
     const std::shared_ptr<const BrickPlan>& earlier,
     std::shared_ptr<const BrickPlan> mesh,
     PatchDetail detail,
-    std::size_t most_runs) {
+    PatchLimits limits) {
   if (earlier == nullptr || mesh == nullptr) return nullptr;
   const ComparedMesh before = earlier->counted(), now = mesh->counted();
   // Whether a field's values changed, too, nobody has compared.
@@ -25,10 +32,13 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(
     return nullptr;
   }
   MeshDifference difference = compare_meshes(before, now, detail);
-  if (has_more_runs(difference.kept, most_runs)) {
+  if (has_more_runs(difference.kept, limits.most_runs)) {
     difference = compare_meshes(before, now, PatchDetail::kWhole);
   }
-  if (has_more_runs(difference.kept, most_runs)) return nullptr;
+  if (has_more_runs(difference.kept, limits.most_runs) ||
+      keeps_less(difference.kept, mesh->header().tet_count, limits.least_kept)) {
+    return nullptr;
+  }
   return std::shared_ptr<const MeshPatch>(
       new MeshPatch(std::move(mesh), std::move(difference)));
 }

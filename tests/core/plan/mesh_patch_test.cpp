@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -199,7 +200,8 @@ TEST(MeshPatch, KeepsBricksAsAWholeWhereItWouldBeTooManyRuns) {
   };
   ASSERT_LT(runs(*whole), runs(*by_slices));
   const auto with_at_most = [&](std::size_t most) {
-    return MeshPatch::between(as_bricks(earlier), as_bricks(now), PatchDetail::kSlices, most);
+    return MeshPatch::between(as_bricks(earlier), as_bricks(now), PatchDetail::kSlices,
+                              {.most_runs = most});
   };
   EXPECT_TRUE(with_at_most(runs(*by_slices))->kept().loose);
   const auto fewer = with_at_most(runs(*whole));
@@ -208,6 +210,39 @@ TEST(MeshPatch, KeepsBricksAsAWholeWhereItWouldBeTooManyRuns) {
   EXPECT_EQ(fewer->kept().vertices, whole->kept().vertices);
   EXPECT_EQ(fewer->kept().tets, whole->kept().tets);
   EXPECT_EQ(with_at_most(runs(*whole) - 1), nullptr);
+}
+
+TEST(MeshPatch, IsNoneWhereLessIsKeptThanWanted) {
+  const Plan earlier = plan_of(dented_ball(0), {}), now = plan_of(dented_ball(5), {});
+  const std::uint64_t tets = now->header().tet_count;
+  for (const PatchDetail detail : kDetails) {
+    const auto patch = patch_between(earlier, now, detail);
+    ASSERT_TRUE(patch);
+    const std::uint64_t kept = kept_tets(*patch);
+    ASSERT_TRUE(kept > 0 && kept < tets);
+    const auto with_one_of = [&](std::uint64_t least) {
+      return MeshPatch::between(as_bricks(earlier), as_bricks(now), detail,
+                                {.least_kept = least});
+    };
+    EXPECT_EQ(with_one_of(1), nullptr);
+    EXPECT_TRUE(with_one_of(tets / kept + 1));
+  }
+}
+
+/// A patch of nearly all that there is would take longer than the mesh.
+TEST(MeshPatch, IsNoneWhereTheWholeShapeMoved) {
+  const auto ball_at = [](float x) {
+    return test::narrow_band_volume(
+        VoxelBox{VoxelCoord{-30, -30, -30}, VoxelCoord{30, 30, 30}}, 3, [=](VoxelCoord v) {
+          return std::hypot(static_cast<float>(v.x) - x, static_cast<float>(v.y),
+                            static_cast<float>(v.z)) -
+                 20;
+        });
+  };
+  const Plan earlier = plan_of(ball_at(0), {}), now = plan_of(ball_at(0.4F), {});
+  EXPECT_TRUE(patch_between(earlier, now, PatchDetail::kSlices));
+  EXPECT_EQ(MeshPatch::between(as_bricks(earlier), as_bricks(now), PatchDetail::kSlices),
+            nullptr);
 }
 
 }  // namespace

@@ -51,7 +51,8 @@ void follow(StableMesh& mesh,
             const Plan& earlier,
             const Plan& now,
             PatchDetail detail = PatchDetail::kSlices) {
-  const auto patch = MeshPatch::between(as_bricks(earlier), as_bricks(now), detail);
+  const auto patch =
+      MeshPatch::between(as_bricks(earlier), as_bricks(now), detail, {.least_kept = 0});
   const absl::Status begun =
       mesh.begin(now->header(), patch == nullptr ? nullptr : &patch->kept());
   ASSERT_TRUE(begun.ok()) << begun;
@@ -142,7 +143,8 @@ TEST(StableMesh, IsTheWholeMeshInOrderAndKeepsIdsOfWhatIsKept) {
       EXPECT_TRUE(same_bytes(*whole, fill_mesh(*now, Cancellation(), nullptr)->mesh));
       expect_harmless_holes(mesh);
       if (!mesh.renumbered()) {
-        const auto patch = MeshPatch::between(as_bricks(earlier), as_bricks(now), detail);
+        const auto patch =
+            MeshPatch::between(as_bricks(earlier), as_bricks(now), detail, {.least_kept = 0});
         expect_kept_in_place(vertices, mesh.vertices(), patch->kept().vertices);
         expect_kept_in_place(tets, mesh.tets(), patch->kept().tets);
       }

@@ -46,11 +46,13 @@ struct StableMesh {
   /// has to be read again. With the first frame, and where it is renumbered, all of them.
   std::vector<SlotRange> changed_vertices, changed_tets;
   /// Every vertex and tet has the id that it has in the mesh's own order, whatever it had
-  /// before: in the first frame, where nothing could be kept, where more than an eighth of
-  /// the slots would be empty, and where the mesh would lie in too many runs of slots.
+  /// before: in the first frame, where less than a sixteenth could be kept, where more than an
+  /// eighth of the slots would be empty, and where the mesh would lie in too many runs of
+  /// slots.
   bool renumbered = false;
   /// Keeps the memory of `columns`, whatever an update makes of what is there. An update that
-  /// needs more room, or renumbers, moves the columns elsewhere and leaves this as it was.
+  /// needs more room, or puts the mesh in order because of holes or runs, moves the columns
+  /// elsewhere and leaves this as it was.
   std::shared_ptr<const void> memory;
 };
 
