@@ -53,7 +53,7 @@ class FullJobDisk(FaultTest):
         self.assert_meshed(self.mesh(server))
         self.assertFalse(self.is_up(server))
         self.assertEqual(self.health(server), 3)
-        self.assertEqual([line["reason"] for line in server.log("jobs_down")], ["JOB_STORE_FULL"])
+        self.assertEqual([line["reason"] for line in server.told("jobs_down")], ["JOB_STORE_FULL"])
         submission = self.submit(server)
         refused = wait_until(lambda: [line for line in server.log("call")
                                       if line["method"] == "CreateJob"])
@@ -63,7 +63,7 @@ class FullJobDisk(FaultTest):
         self.full.unlink()
         self.assert_submitted(submission)
         self.assertTrue(wait_until(lambda: self.is_up(server)))
-        self.assertEqual(len(server.log("jobs_up")), 1)
+        self.assertEqual(len(server.told("jobs_up")), 1)
         self.assert_fetched(server)
 
     def test_jobs_wait_for_room_for_their_results_and_lose_no_attempt(self):

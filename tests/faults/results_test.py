@@ -99,7 +99,7 @@ class Results(FaultTest):
         fetched = self.job("fetch", job, "-o", self.folder / "mesh.vtu")
         self.assertIn("is damaged; retry the job to make it again", fetched.stderr)
         self.assertFalse((self.folder / "mesh.vtu").exists())
-        self.assertEqual(len(self.server.log("stored_chunk_damaged")), 1)
+        self.assertEqual(len(self.server.told("stored_chunk_damaged")), 1)
         self.assertEqual(self.job("retry", job).returncode, 0)
         self.assert_made(job)
 

@@ -10,7 +10,7 @@ import pathlib
 import subprocess
 import unittest
 
-from fault_case import GENEROUS_END, FaultTest, binaries
+from fault_case import GENEROUS_END, FaultTest, binaries, wait_until
 
 
 class DamagedGrids(FaultTest):
@@ -27,11 +27,11 @@ class DamagedGrids(FaultTest):
         self.assert_meshed(self.mesh(server))
         self.assertEqual(self.stored(), {self.digest()})
         self.assertEqual(server.samples()["tetstream_store_corrupt_total"], 1)
-        refused = [line for line in server.log("call") if line["status"] != "OK"]
+        refused = wait_until(lambda: [line for line in server.log("call") if line["status"] != "OK"])
         self.assertEqual([(line["status"], line["reason"]) for line in refused],
                          [("DATA_LOSS", "STORED_GRID_CORRUPT")])
         self.assertNotIn(str(self.folder), refused[0]["message"])
-        return server.log("stored_grid_corrupt")
+        return server.told("stored_grid_corrupt")
 
     def test_a_flipped_bit(self):
         def flip(path):

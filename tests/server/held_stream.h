@@ -14,9 +14,11 @@ class HeldStream {
              const ::tetstream::v1::StreamMeshRequest& request)
       : reader_(meshes.StreamMesh(&context_, request)) {
     ::tetstream::v1::MeshEvent event;
-    while (reader_->Read(&event) && !event.has_chunk()) {
-    }
+    while (!has_chunk_ && reader_->Read(&event)) has_chunk_ = event.has_chunk();
   }
+
+  /// Whether it has begun: else it was refused.
+  bool has_chunk() const noexcept { return has_chunk_; }
 
   /// Whether it goes on to the end.
   bool read_on() {
@@ -33,6 +35,7 @@ class HeldStream {
 
  private:
   grpc::ClientContext context_;
+  bool has_chunk_ = false;
   std::unique_ptr<grpc::ClientReader<::tetstream::v1::MeshEvent>> reader_;
 };
 

@@ -29,8 +29,7 @@ class GrpcWeb(HttpTest):
         chunks = [m for m in messages if m[0] == 3 << 3 | 2]
         self.assertGreaterEqual(len(chunks), 1)
         self.assertEqual(messages[-1][0], 4 << 3 | 2)  # the trailer
-        line = next(line for line in self.server.log("call")
-                    if line["request_id"] == trailers["x-request-id"])
+        line = self.server.told("call", request_id=trailers["x-request-id"])[0]
         self.assertEqual(line["client"], "127.0.0.1")
         self.assertRegex(line["peer"], r"^ipv4:127\.0\.0\.1:\d+$")
         self.assertEqual(line["status"], "OK")
@@ -45,7 +44,7 @@ class GrpcWeb(HttpTest):
     def test_the_callers_request_id_and_agent_reach_the_log(self):
         self.call("MeshService/GetCapabilities", b"",
                   {"x-request-id": "from-a-tab", "User-Agent": "a browser"})
-        line = next(line for line in self.server.log("call") if line["request_id"] == "from-a-tab")
+        line = self.server.told("call", request_id="from-a-tab")[0]
         self.assertEqual(line["user_agent"], "a browser")
 
     def test_a_deadline_is_kept(self):
@@ -365,7 +364,7 @@ class Strangers(HttpTest):
             "x-request-id": "forged", "tetstream-forwarded-proof": "0" * 64,
             "tetstream-forwarded-address": "ipv4:6.6.6.6:1"})
         self.assertEqual(status, 200)
-        line = next(line for line in self.server.log("call") if line["request_id"] == "forged")
+        line = self.server.told("call", request_id="forged")[0]
         self.assertEqual(line["client"], "127.0.0.1")
 
 

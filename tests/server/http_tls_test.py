@@ -65,7 +65,7 @@ class TokensAndTls(HttpTest):
         messages, trailers = self.call("MeshService/StreamMesh", self.mesh_request(), self.bearer())
         self.assertEqual(trailers["grpc-status"], "0")
         self.assertEqual(messages[-1][0], 4 << 3 | 2)
-        line = next(line for line in self.server.log("call") if line["method"] == "StreamMesh")
+        line = self.server.told("call", method="StreamMesh")[0]
         self.assertEqual(line["client"], "alice")
 
     def test_plain_http_and_broken_handshakes_end(self):

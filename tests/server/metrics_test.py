@@ -122,7 +122,7 @@ class Clients(unittest.TestCase):
             (line for line in self.server.log("call") if line["method"] == "StreamMesh"), None))
         self.assertEqual(self.used("sent_bytes", "alice"), sent["bytes_out"])
         self.assertEqual(self.used("received_bytes", "alice"), ball.stat().st_size)
-        self.assertEqual(self.used("calls", "alice"), len(self.server.log("call")))
+        wait_until(lambda: self.used("calls", "alice") == len(self.server.log("call")))
         self.assertGreater(self.used("work_seconds", "alice"), 0)
         self.assertEqual(self.used("calls", "(others)"), 0)
         request = urllib.request.Request(

@@ -50,12 +50,18 @@ class RunningProgram:
 
     def text(self):
         """What it has written to standard error."""
-        return os.pread(self._log.fileno(), 1 << 24, 0).decode()
+        return os.pread(self._log.fileno(), 1 << 24, 0).decode(errors="replace")
 
     def log(self, event=None):
         """Its log lines, whole ones, as dictionaries."""
         lines = [json.loads(line) for line in self.text().splitlines(True) if line.endswith("\n")]
         return [line for line in lines if event in (None, line["event"])]
+
+    def told(self, event, **fields):
+        """Its log lines of this event and with these values, once there is one: who did what a line
+        tells of has not waited for it."""
+        return wait_until(lambda: [line for line in self.log(event)
+                                   if fields.items() <= line.items()])
 
     def samples(self):
         """{name{labels}: value} of /metrics."""

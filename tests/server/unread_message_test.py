@@ -111,8 +111,7 @@ class CompressedMessages(UnreadMessageTest):
         self.assertLess(self.memory() - before, MOST_GROWTH)
         self.assertGreaterEqual(refused, 4 * 20)
         self.assertEqual(self.counted("compressed"), refused)
-        lines = [line for line in self.server.log("unread_message") if line["why"] == "compressed"]
-        self.assertTrue(lines)
+        lines = self.server.told("unread_message", why="compressed")
         # One a second; each says how many it stands for, but for those since the last one.
         self.assertLessEqual(sum(1 + line["left_out"] for line in lines), refused)
 
