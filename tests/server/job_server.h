@@ -10,9 +10,8 @@
 #include <string>
 #include <vector>
 
-#include <grpcpp/create_channel.h>
-
 #include "client/library/mesh_client.h"
+#include "tests/server/plain_channel.h"
 #include "tests/server/port_file.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
@@ -196,7 +195,7 @@ class JobServer {
 
   void connect(const std::string& address) {
     address_ = address;
-    const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
+    const auto channel = plain_channel(address);
     jobs = v1::JobService::NewStub(channel);
     meshes = v1::MeshService::NewStub(channel);
     grids = v1::GridService::NewStub(channel);

@@ -7,12 +7,12 @@
 #include <string>
 #include <thread>
 
-#include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
 
 #include "client/library/mesh_client.h"
 #include "server/ops/logging.h"
 #include "server/server.h"
+#include "tests/server/plain_channel.h"
 #include "tests/server/test_folder.h"
 #include "tests/support/eventually.h"
 #include "tests/support/vdb_fixtures.h"
@@ -37,7 +37,7 @@ class ServiceTest : public testing::Test {
     auto server = Server::start(config_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
-    channel_ = grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials());
+    channel_ = plain_channel(server_->address());
     grids_ = v1::GridService::NewStub(channel_);
     meshes_ = v1::MeshService::NewStub(channel_);
     client_ = MeshClient::connect(server_->address());

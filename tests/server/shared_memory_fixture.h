@@ -15,6 +15,7 @@
 #include "proto/wire/side_messages.h"
 #include "server/shared_memory/side_connection.h"
 #include "server/streams/mesh_engine.h"
+#include "tests/server/plain_channel.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
@@ -66,8 +67,7 @@ class WilfulClient {
       : WilfulClient(socket, connect_for_packets(socket + kSideSocketEnding)) {}
   WilfulClient(const std::string& socket, Descriptor side)
       : side_(std::move(side)),
-        meshes_(v1::MeshService::NewStub(
-            grpc::CreateChannel("unix:" + socket, grpc::InsecureChannelCredentials()))) {
+        meshes_(v1::MeshService::NewStub(plain_channel("unix:" + socket))) {
     Descriptor none;
     EXPECT_TRUE(await_packet(side_, std::as_writable_bytes(std::span(token_)), 10s, none));
   }

@@ -12,6 +12,7 @@
 #include "core/base/posix/descriptor.h"
 #include "core/base/posix/socket_file.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/server/plain_channel.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/token_book.h"
 
@@ -39,7 +40,7 @@ class UnixSocketTest : public ServiceTest {
     EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
     EXPECT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&there), sizeof there), 0);
     ::fcntl(socket, F_SETFL, O_NONBLOCK);
-    return grpc::CreateInsecureChannelFromFd("tetstream", socket);
+    return grpc::CreateCustomInsecureChannelFromFd("tetstream", socket, fixed_window());
   }
 
   const std::string socket_ = folder_.file("socket");

@@ -7,6 +7,7 @@
 
 #include "core/mesh/stable_mesh.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/server/plain_channel.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/session_fixture.h"
 #include "tests/server/shared_memory_fixture.h"
@@ -26,8 +27,7 @@ class WilfulSession {
  public:
   explicit WilfulSession(const std::string& socket)
       : client_(socket),
-        meshes_(v1::MeshService::NewStub(
-            grpc::CreateChannel("unix:" + socket, grpc::InsecureChannelCredentials()))),
+        meshes_(v1::MeshService::NewStub(plain_channel("unix:" + socket))),
         stream_(meshes_->RemeshSession(&context_)) {}
 
   /// Asks for a mesh, and reads as far as its header.
