@@ -156,8 +156,8 @@ function(tet_is_test target)
   set_target_properties(${target} PROPERTIES TET_IS_TEST ON)
 endfunction()
 
-# Tests that wait for a service more than they compute. Where accesses are looked at, optimising them takes
-# as long again as compiling them, and saves nothing.
+# These tests wait for a service more than they compute. Where accesses are looked at, optimising them
+# takes as long again as compiling them, and saves nothing.
 function(tet_mostly_wait)
   if(TET_SANITIZE)
     foreach(target IN LISTS ARGN)

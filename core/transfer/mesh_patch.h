@@ -13,13 +13,14 @@
 
 namespace tet {
 
-/// What is put together from a patch is moved once more than what comes whole, which takes a
-/// quarter of a session's frame where nearly all is new.
+/// Beyond these the whole mesh is sent.
 struct PatchLimits {
   /// Runs are in a header, which is one message: of 21 bytes each at most, and gRPC's clients
   /// take 4 MiB unless they say otherwise.
   std::size_t most_runs = 100'000;
-  std::uint64_t least_kept = 16;  ///< one tet of so many; 0 for none
+  /// One tet of so many; 0 for none. What is put together from a patch is moved once more than
+  /// what comes whole: a quarter of a session's frame where nearly all is new.
+  std::uint64_t least_kept = 16;
 };
 
 /// Kept parts and patches: contiguous runs of the mesh's vertices and tets, or of those that

@@ -207,7 +207,7 @@ class AccessLog(ServerTest):
         self.assertGreater(line["tets"], 0)
         self.assertLessEqual(line["plan_ms"], line["first_chunk_ms"])
         self.assertLessEqual(line["first_chunk_ms"], line["duration_ms"])
-        upload = self.calls("UploadGrid")[0]
+        upload = self.server.told("call", method="UploadGrid")[0]
         self.assertEqual(upload["bytes_in"], self.ball.stat().st_size)
 
     def test_the_command_line_names_the_line_to_look_for(self):

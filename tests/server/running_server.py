@@ -48,13 +48,16 @@ class RunningProgram:
             raise AssertionError("tetstreamd ended")
         return next(iter(self.log(event)), None)
 
+    def _written(self):
+        return os.pread(self._log.fileno(), 1 << 24, 0)
+
     def text(self):
         """What it has written to standard error."""
-        return os.pread(self._log.fileno(), 1 << 24, 0).decode(errors="replace")
+        return self._written().decode(errors="replace")
 
     def log(self, event=None):
-        """Its log lines, whole ones, as dictionaries."""
-        lines = [json.loads(line) for line in self.text().splitlines(True) if line.endswith("\n")]
+        """Its log lines, whole ones, as dictionaries; all of them are UTF-8."""
+        lines = [json.loads(line) for line in self._written().split(b"\n")[:-1]]
         return [line for line in lines if event in (None, line["event"])]
 
     def told(self, event, **fields):

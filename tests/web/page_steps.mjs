@@ -43,10 +43,18 @@ export async function setSpacing(page, power) {
 
 export async function mesh(page) {
   await page.click("#go");
+  await meshIsDone(page);
+}
+
+export async function meshIsDone(page) {
   await meshIs(page, "done", "failed");
   assert.equal(await page.evaluate(() => document.body.dataset.mesh), "done",
     await page.textContent("#alert"));
 }
+
+/** Waits until some of a mesh that comes is drawn, or none does any more. */
+export const isDrawing = (page) => until(page, () =>
+  Number(document.getElementById("canvas").dataset.triangles) > 0 || document.body.dataset.mesh !== "running");
 
 export const triangles = (page) => page.evaluate(() => Number(document.getElementById("canvas").dataset.triangles));
 

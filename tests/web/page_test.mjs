@@ -8,7 +8,7 @@ import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { it } from "node:test";
 import { axeSource, binary, difference, drawn, HeldWire, makeFixture, meshIs, until } from "./browser_case.mjs";
-import { chooseBall, makeBunny, mesh, part, setSpacing, stage, triangles } from "./page_steps.mjs";
+import { chooseBall, isDrawing, makeBunny, mesh, meshIsDone, part, setSpacing, stage, triangles } from "./page_steps.mjs";
 
 /** A box from the origin to `high` as binary STL, without its first triangles. */
 function stl(high, missing = 0) {
@@ -44,9 +44,9 @@ part("Meshes", () => {
     const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
     wire.hold(2 ** 19);  // of 1.6 MB
     await page.click("#go");
-    await until(page, () => Number(document.getElementById("canvas").dataset.triangles) > 0);
+    await isDrawing(page);
     wire.release();
-    await meshIs(page, "done", "failed");
+    await meshIsDone(page);
     assert.ok((await page.textContent("#status")).startsWith(estimated));
     const port = held.server.lines().find((line) => line.event === "serving").address.split(":").pop();
     assert.match(await page.inputValue("#command"), new RegExp(`--server 127\\.0\\.0\\.1:${port}$`));
@@ -95,8 +95,7 @@ part("Meshes", () => {
     await setSpacing(page, -2);
     wire.hold(2 ** 22);  // of 36 MB, of which what lies between server and tab has room for half
     await page.click("#go");
-    await until(page, () => Number(document.getElementById("canvas").dataset.triangles) > 0 ||
-      document.body.dataset.mesh !== "running");
+    await isDrawing(page);
     await page.click("#stop", { force: true });
     await meshIs(page, "cancelled", "done", "failed");
     assert.equal(await page.evaluate(() => document.body.dataset.mesh), "cancelled");

@@ -118,7 +118,7 @@ class Restoration {
     }
   }
 
-  /// Of those that the surface is near to, itself among them.
+  /// Visits those that the surface is near to, the brick itself among them.
   template <class Visit>
   void for_each_neighbour(BrickCoord b, const Visit& visit) const {
     for (int x = -1; x <= 1; ++x) {
