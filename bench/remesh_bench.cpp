@@ -146,8 +146,8 @@ void update_once(Meshes& meshes, const std::shared_ptr<const Volume>& volume, Pa
   Plan next = plan(volume, meshes.plan.get(), &meshes.replaced);
   parts.plan += now() - start;
   start = now();
-  const auto patch =
-      MeshPatch::between(as_bricks(meshes.plan), as_bricks(next), PatchDetail::kSlices);
+  const auto patch = MeshPatch::between(as_bricks(meshes.plan), as_bricks(next), Cancellation(),
+                                        PatchDetail::kSlices);
   parts.compare += now() - start;
   start = now();
   fill_patches(*patch, next->header(), meshes);

@@ -1,14 +1,11 @@
 #include "core/transfer/mesh_patch.h"
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace tet {
 namespace {
-
-bool has_more_runs(const KeptParts& kept, std::size_t most) {
-  return kept.vertices.size() + kept.tets.size() > most;
-}
 
 bool keeps_less(const KeptParts& kept, std::uint64_t tets, std::uint64_t least) {
   std::uint64_t kept_tets = 0;
@@ -21,6 +18,7 @@ bool keeps_less(const KeptParts& kept, std::uint64_t tets, std::uint64_t least) 
 std::shared_ptr<const MeshPatch> MeshPatch::between(
     const std::shared_ptr<const BrickPlan>& earlier,
     std::shared_ptr<const BrickPlan> mesh,
+    const Cancellation& cancellation,
     PatchDetail detail,
     PatchLimits limits) {
   if (earlier == nullptr || mesh == nullptr) return nullptr;
@@ -31,16 +29,17 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(
       before.mesh.rules() != now.mesh.rules() || earlier->to_world() != mesh->to_world()) {
     return nullptr;
   }
-  MeshDifference difference = compare_meshes(before, now, detail);
-  if (has_more_runs(difference.kept, limits.most_runs)) {
-    difference = compare_meshes(before, now, PatchDetail::kWhole);
-  }
-  if (has_more_runs(difference.kept, limits.most_runs) ||
-      keeps_less(difference.kept, mesh->header().tet_count, limits.least_kept)) {
+  const auto compare = [&](PatchDetail by) {
+    return compare_meshes(before, now, by, limits.most_runs, cancellation);
+  };
+  std::optional<MeshDifference> difference = compare(detail);
+  if (!difference) difference = compare(PatchDetail::kWhole);
+  if (!difference ||
+      keeps_less(difference->kept, mesh->header().tet_count, limits.least_kept)) {
     return nullptr;
   }
   return std::shared_ptr<const MeshPatch>(
-      new MeshPatch(std::move(mesh), std::move(difference)));
+      new MeshPatch(std::move(mesh), *std::move(difference)));
 }
 
 MeshPatch::MeshPatch(std::shared_ptr<const BrickPlan> mesh, MeshDifference difference)

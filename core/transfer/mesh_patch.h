@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/mesh/splice.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/mesh_difference.h"
@@ -32,10 +33,12 @@ class MeshPatch {
   /// mesh is to be sent: one of them is null (see as_bricks), they have other rules, types,
   /// spacings or origins, less is kept than the limits say, or it is in more runs than they say
   /// even if bricks are kept as a whole or not at all, which they are where it would be more
-  /// otherwise.
+  /// otherwise. Null, too, once `cancellation` is requested: whoever got nothing looks whether
+  /// it is.
   static std::shared_ptr<const MeshPatch> between(
       const std::shared_ptr<const BrickPlan>& earlier,
       std::shared_ptr<const BrickPlan> mesh,
+      const Cancellation& cancellation,
       PatchDetail detail = PatchDetail::kBricks,
       PatchLimits limits = {});
 

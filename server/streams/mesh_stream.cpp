@@ -81,7 +81,9 @@ void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
 
 void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
   source_ = {planned_.plan, nullptr, order_.encoding};
-  source_.patch = MeshPatch::between(as_bricks(base), as_bricks(planned_.plan));
+  source_.patch =
+      MeshPatch::between(as_bricks(base), as_bricks(planned_.plan), watch_->cancellation);
+  if (const auto s = check_cancelled(watch_->cancellation); !s.ok()) return begin(s);
   // A patch has no compact form: its vertices may belong to tets that the client keeps.
   const bool is_compact = order_.encoding == v1::ENCODING_COMPACT;
   if (source_.patch != nullptr && is_compact) source_.encoding = v1::ENCODING_PACKED;

@@ -253,8 +253,9 @@ void RemeshStream::planned(absl::StatusOr<PlannedMesh> planned) {
   planned_ = *std::move(planned);
   shown_ = std::exchange(next_, {});
   source_ = {planned_.plan, nullptr};
-  source_.patch = MeshPatch::between(as_bricks(earlier), as_bricks(planned_.plan), detail_);
-  begin_chunks(absl::OkStatus(), 0, 0);
+  source_.patch = MeshPatch::between(as_bricks(earlier), as_bricks(planned_.plan),
+                                     watch_->cancellation, detail_);
+  begin_chunks(check_cancelled(watch_->cancellation), 0, 0);
 }
 
 void RemeshStream::note_opening() {

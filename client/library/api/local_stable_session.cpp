@@ -71,8 +71,9 @@ class LocalStableFrames final : public FrameMaker<StableFrame> {
                                           cancellation_);
     if (!made.ok()) return made.status();
     const Plan plan = *std::move(made);
-    const auto patch =
-        tet::MeshPatch::between(as_bricks(plan_), as_bricks(plan), tet::PatchDetail::kSlices);
+    const auto patch = tet::MeshPatch::between(as_bricks(plan_), as_bricks(plan), cancellation_,
+                                               tet::PatchDetail::kSlices);
+    if (auto status = check_cancelled(cancellation_); !status.ok()) return status;
     half_patched_ = true;
     if (auto status = mesh_.begin(plan->header(), patch ? &patch->kept() : nullptr);
         !status.ok()) {

@@ -63,7 +63,9 @@ CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation
   if (!cancellation.requested()) find_vertices(before, unchanged, cancellation);
   if (cancellation.requested()) return;
   if (before != nullptr) {
-    kept_ = find_kept_bricks(*earlier, {*this, field}, std::move(unchanged));
+    kept_ = find_kept_bricks(*earlier, {*this, field}, std::move(unchanged),
+                             PatchDetail::kBricks, cancellation);
+    if (cancellation.requested()) return;
     earlier_serial_ = before->serial_;
   }
   count_bricks(cancellation, before, kept_);

@@ -1,5 +1,6 @@
 #include "core/plan/brick/kept_of_bricks.h"
 
+#include <atomic>
 #include <cstdint>
 #include <utility>
 
@@ -75,11 +76,13 @@ class TetComparison {
 
 }  // namespace
 
-std::vector<KeptOfBrick> find_kept_of_bricks(const ComparedMesh& earlier,
-                                             const ComparedMesh& now,
-                                             int level,
-                                             const KeptBricks& kept,
-                                             PatchDetail detail) {
+std::optional<std::vector<KeptOfBrick>> find_kept_of_bricks(const ComparedMesh& earlier,
+                                                            const ComparedMesh& now,
+                                                            int level,
+                                                            const KeptBricks& kept,
+                                                            PatchDetail detail,
+                                                            std::size_t most_runs,
+                                                            const Cancellation& cancellation) {
   const bool by_slices = detail == PatchDetail::kSlices && level == 0;
   std::vector<KeptOfBrick> parts;
   for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
@@ -87,10 +90,16 @@ std::vector<KeptOfBrick> find_kept_of_bricks(const ComparedMesh& earlier,
     if (before == kNewBrick || kept.tets[i] != kNewBrick) continue;
     if (kept.vertices[i] == kNewBrick || by_slices) parts.push_back({i, before, {}, {}, {}});
   }
+  // The first run of a brick's vertices, and of its tets, may go on with the last of another's.
+  const std::size_t too_many = most_runs + 2 * parts.size();
+  std::atomic<std::size_t> runs{0};
+  const auto is_over = [&] {
+    return runs.load(std::memory_order_relaxed) > too_many || cancellation.requested();
+  };
   for_each_range(parts.size(), kPartsPerRange, [&](std::size_t begin, std::size_t end) {
     VertexComparison vertices(earlier, now, level, PatchDetail::kBricks);
     const TetComparison tets(earlier, now);
-    for (std::size_t k = begin; k < end; ++k) {
+    for (std::size_t k = begin; k < end && !is_over(); ++k) {
       KeptOfBrick& part = parts[k];
       const auto [brick, before] = std::pair(part.brick, part.before);
       BrickMask cells;
@@ -99,11 +108,14 @@ std::vector<KeptOfBrick> find_kept_of_bricks(const ComparedMesh& earlier,
         vertices.look_at(before, brick);
         vertices.add_runs(cells, part.vertices);
       }
-      if (!by_slices) continue;
-      part.new_cells = ~cells;
-      if (cells.any()) tets.add_runs(before, brick, cells, part.tets);
+      if (by_slices) {
+        part.new_cells = ~cells;
+        if (cells.any()) tets.add_runs(before, brick, cells, part.tets);
+      }
+      runs.fetch_add(part.vertices.size() + part.tets.size(), std::memory_order_relaxed);
     }
   });
+  if (is_over()) return std::nullopt;
   return parts;
 }
 

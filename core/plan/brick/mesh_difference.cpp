@@ -99,6 +99,7 @@ BrickPlaces find_same(const ComparedMesh& earlier,
                       const ComparedMesh& now,
                       int level,
                       PatchDetail detail,
+                      const Cancellation& cancellation,
                       BrickPlaces same,
                       std::vector<ChangedBrick>& changed,
                       BrickPlaces& partly_same) {
@@ -117,7 +118,7 @@ BrickPlaces find_same(const ComparedMesh& earlier,
     if (begin == end) return;
     LevelComparison comparison(earlier, now, level);
     auto at = std::ranges::lower_bound(before, bricks[begin]);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       if (same[i] != kNewBrick) continue;
       while (at != before.end() && *at < bricks[i]) ++at;
       if (at == before.end() || *at != bricks[i]) continue;
@@ -146,7 +147,7 @@ BrickPlaces find_same(const ComparedMesh& earlier,
   changed.resize(others.size());
   for_each_range(others.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
     VertexComparison comparison(earlier, now, level, detail);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
       const auto [then, here] = others[i];
       comparison.look_at(then, here);
       const BrickMask cells = changed_cells(then == kNewBrick ? nullptr : level_before, then,
@@ -218,15 +219,17 @@ void add_level(const ComparedMesh& earlier,
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
                                          const ComparedMesh& now,
                                          std::vector<BrickPlaces> unchanged,
-                                         PatchDetail detail) {
+                                         PatchDetail detail,
+                                         const Cancellation& cancellation) {
   unchanged.resize(now.mesh.tree().levels.size());
   std::vector<KeptBricks> kept;
   std::vector<std::vector<ChangedBrick>> changed;
   for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
     KeptBricks level_kept;
-    level_kept.vertices = find_same(earlier, now, level, detail,
+    level_kept.vertices = find_same(earlier, now, level, detail, cancellation,
                                     std::move(unchanged[static_cast<std::size_t>(level)]),
                                     changed.emplace_back(), level_kept.nodes);
+    if (cancellation.requested()) break;
     level_kept.tets = level_kept.vertices;
     const OctreeLevel& tree_level = now.mesh.tree().levels[static_cast<std::size_t>(level)];
     if (level == 0) level_kept.read = ReadCells(tree_level.bricks.size());
@@ -237,20 +240,28 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
   return kept;
 }
 
-MeshDifference compare_meshes(const ComparedMesh& earlier,
-                              const ComparedMesh& now,
-                              PatchDetail detail) {
+std::optional<MeshDifference> compare_meshes(const ComparedMesh& earlier,
+                                             const ComparedMesh& now,
+                                             PatchDetail detail,
+                                             std::size_t most_runs,
+                                             const Cancellation& cancellation) {
   MeshDifference difference;
   std::vector<KeptBricks> found;
   const std::vector<KeptBricks>* const known =
       detail == PatchDetail::kWhole ? nullptr : now.mesh.kept_of(earlier.mesh);
-  if (known == nullptr) found = find_kept_bricks(earlier, now, {}, detail);
+  if (known == nullptr) found = find_kept_bricks(earlier, now, {}, detail, cancellation);
+  if (cancellation.requested()) return std::nullopt;
   const std::vector<KeptBricks>& kept = known != nullptr ? *known : found;
   difference.kept.loose = detail == PatchDetail::kSlices;
   for (std::size_t l = 0; l < kept.size(); ++l) {
     const int level = static_cast<int>(l);
-    const auto parts = find_kept_of_bricks(earlier, now, level, kept[l], detail);
-    add_level(earlier, now, level, kept[l], parts, difference);
+    const auto parts =
+        find_kept_of_bricks(earlier, now, level, kept[l], detail, most_runs, cancellation);
+    if (!parts) return std::nullopt;
+    add_level(earlier, now, level, kept[l], *parts, difference);
+    if (difference.kept.vertices.size() + difference.kept.tets.size() > most_runs) {
+      return std::nullopt;
+    }
   }
   return difference;
 }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/base/brick_mask.h"
+#include "core/base/cancel.h"
 #include "core/mesh/splice.h"
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/kept_bricks.h"
@@ -25,18 +27,25 @@ struct MeshDifference {
 
 /// Has one entry a level and reads neither mesh's counts. For the rest see compare_meshes.
 /// Bricks that are `unchanged` (see find_unchanged_bricks) are not looked at again; with an
-/// empty list all are. It is the same for all details but kWhole.
+/// empty list all are. It is the same for all details but kWhole. Unspecified once the work is
+/// to stop.
 std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
                                          const ComparedMesh& now,
-                                         std::vector<BrickPlaces> unchanged = {},
-                                         PatchDetail detail = PatchDetail::kBricks);
+                                         std::vector<BrickPlaces> unchanged,
+                                         PatchDetail detail,
+                                         const Cancellation& cancellation);
 
 /// A brick's vertices are kept where each is there and lies where it lay; its tets where that
 /// holds for all cells and vertices that they read. Depends on the two fields and the request
 /// alone. Both meshes have the same rules and the same way from lattice to world. What `now`
 /// found when it was counted after `earlier` is not looked for again. Parallel.
-MeshDifference compare_meshes(const ComparedMesh& earlier,
-                              const ComparedMesh& now,
-                              PatchDetail detail = PatchDetail::kBricks);
+///
+/// Returns nothing where what is kept is in more than `most_runs`, for which no memory is
+/// taken, or where the work is to stop.
+std::optional<MeshDifference> compare_meshes(const ComparedMesh& earlier,
+                                             const ComparedMesh& now,
+                                             PatchDetail detail,
+                                             std::size_t most_runs,
+                                             const Cancellation& cancellation);
 
 }  // namespace tet

@@ -191,7 +191,7 @@ TEST(GradedSurface, ComesInChunksAndInBetterShape) {
   const auto filled = fill_mesh(**plan, Cancellation(), nullptr);
   ASSERT_TRUE(filled.ok()) << filled.status();
   EXPECT_TRUE(same_bytes(filled->mesh, improved.mesh));
-  EXPECT_EQ(MeshPatch::between(as_bricks(*plan), as_bricks(*plan)), nullptr)
+  EXPECT_EQ(MeshPatch::between(as_bricks(*plan), as_bricks(*plan), Cancellation()), nullptr)
       << "it is sent whole";
 }
 

@@ -14,7 +14,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/own_threads.h"
 #include "tests/core/plan/mesh_patches.h"
+#include "tests/support/counted_looks.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
@@ -200,8 +202,8 @@ TEST(MeshPatch, KeepsBricksAsAWholeWhereItWouldBeTooManyRuns) {
   };
   ASSERT_LT(runs(*whole), runs(*by_slices));
   const auto with_at_most = [&](std::size_t most) {
-    return MeshPatch::between(as_bricks(earlier), as_bricks(now), PatchDetail::kSlices,
-                              {.most_runs = most});
+    return MeshPatch::between(as_bricks(earlier), as_bricks(now), Cancellation(),
+                              PatchDetail::kSlices, {.most_runs = most});
   };
   EXPECT_TRUE(with_at_most(runs(*by_slices))->kept().loose);
   const auto fewer = with_at_most(runs(*whole));
@@ -221,12 +223,32 @@ TEST(MeshPatch, IsNoneWhereLessIsKeptThanWanted) {
     const std::uint64_t kept = kept_tets(*patch);
     ASSERT_TRUE(kept > 0 && kept < tets);
     const auto with_one_of = [&](std::uint64_t least) {
-      return MeshPatch::between(as_bricks(earlier), as_bricks(now), detail,
+      return MeshPatch::between(as_bricks(earlier), as_bricks(now), Cancellation(), detail,
                                 {.least_kept = least});
     };
     EXPECT_EQ(with_one_of(1), nullptr);
     EXPECT_TRUE(with_one_of(tets / kept + 1));
   }
+}
+
+TEST(MeshPatch, IsNoneOnceItIsCancelledWhereverThatIs) {
+  const Volume signs = test::random_signs(16, 8), others = test::random_signs(16, 9);
+  run_with_own_threads(1, [&] {
+    const Plan earlier = plan_of(signs, {}), now = plan_of(others, {});
+    ASSERT_TRUE(earlier && now);
+    const auto found = [&](test::CountedLooks& looks) {
+      return MeshPatch::between(as_bricks(earlier), as_bricks(now), looks.cancellation,
+                                PatchDetail::kSlices, {.least_kept = 0});
+    };
+    test::CountedLooks never;
+    const auto patch = found(never);
+    ASSERT_TRUE(patch);
+    EXPECT_GT(never.looks, 2 * signs.bricks.size());  // for what is kept, and which parts
+    for (std::size_t at = 0; at < never.looks; ++at) {
+      test::CountedLooks cut{at};
+      EXPECT_EQ(found(cut), nullptr) << at << " of " << never.looks;
+    }
+  });
 }
 
 /// A patch of nearly all that there is would take longer than the mesh.
@@ -241,7 +263,8 @@ TEST(MeshPatch, IsNoneWhereTheWholeShapeMoved) {
   };
   const Plan earlier = plan_of(ball_at(0), {}), now = plan_of(ball_at(0.4F), {});
   EXPECT_TRUE(patch_between(earlier, now, PatchDetail::kSlices));
-  EXPECT_EQ(MeshPatch::between(as_bricks(earlier), as_bricks(now), PatchDetail::kSlices),
+  EXPECT_EQ(MeshPatch::between(as_bricks(earlier), as_bricks(now), Cancellation(),
+                               PatchDetail::kSlices),
             nullptr);
 }
 

@@ -32,7 +32,8 @@ inline Plan plan_of(const Volume& volume,
 /// However little is kept.
 inline std::shared_ptr<const MeshPatch> patch_between(
     const Plan& earlier, const Plan& now, PatchDetail detail = PatchDetail::kBricks) {
-  return MeshPatch::between(as_bricks(earlier), as_bricks(now), detail, {.least_kept = 0});
+  return MeshPatch::between(as_bricks(earlier), as_bricks(now), Cancellation(), detail,
+                            {.least_kept = 0});
 }
 
 inline TetMesh mesh_of(const MeshPlan& plan) {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/transfer/mesh_patch.h"
+#include "tests/core/plan/mesh_patches.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
@@ -21,6 +22,7 @@
 namespace tet::stable_mesh_test {
 namespace {
 
+using mesh_patch_test::patch_between;
 using test::same_bytes;
 using Plan = std::shared_ptr<const MeshPlan>;
 
@@ -51,8 +53,7 @@ void follow(StableMesh& mesh,
             const Plan& earlier,
             const Plan& now,
             PatchDetail detail = PatchDetail::kSlices) {
-  const auto patch =
-      MeshPatch::between(as_bricks(earlier), as_bricks(now), detail, {.least_kept = 0});
+  const auto patch = patch_between(earlier, now, detail);
   const absl::Status begun =
       mesh.begin(now->header(), patch == nullptr ? nullptr : &patch->kept());
   ASSERT_TRUE(begun.ok()) << begun;
@@ -143,8 +144,7 @@ TEST(StableMesh, IsTheWholeMeshInOrderAndKeepsIdsOfWhatIsKept) {
       EXPECT_TRUE(same_bytes(*whole, fill_mesh(*now, Cancellation(), nullptr)->mesh));
       expect_harmless_holes(mesh);
       if (!mesh.renumbered()) {
-        const auto patch =
-            MeshPatch::between(as_bricks(earlier), as_bricks(now), detail, {.least_kept = 0});
+        const auto patch = patch_between(earlier, now, detail);
         expect_kept_in_place(vertices, mesh.vertices(), patch->kept().vertices);
         expect_kept_in_place(tets, mesh.tets(), patch->kept().tets);
       }
