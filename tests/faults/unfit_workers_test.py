@@ -1,8 +1,10 @@
 """Workers that cannot work: no store, another store, no decoder, a disk that fails. They do no harm.
 
-    TETSTREAM_BIN=build/dev/bin python3 tests/faults/unfit_workers_test.py [unittest options]
+    TETSTREAM_BIN=build/dev/bin TET_HIDE_ONCE_LIBRARY=build/dev/.../libhide_once.so \\
+        python3 tests/faults/unfit_workers_test.py [unittest options]
 """
 
+import hashlib
 import json
 import os
 import subprocess
@@ -40,9 +42,9 @@ class UnfitWorkers(FaultTest):
     def show(self, job):
         return json.loads(self.job("show", job, "--json").stdout)
 
-    def start_worker(self, store=None, *options):
+    def start_worker(self, store=None, *options, **more):
         worker = RunningWorker(store or self.store, self.postgres.address, "--job-workers", "1",
-                               *options)
+                               *options, **more)
         self.addCleanup(worker.close)
         return worker
 
@@ -102,6 +104,20 @@ class UnfitWorkers(FaultTest):
         os.replace(back, mount)
         self.assert_all_succeed()
         self.assertEqual(self.show(job)["state"], "SUCCEEDED")
+
+    def test_one_whose_store_was_away_for_a_moment_looks_again(self):
+        """It was away when the grid was opened, and is back when the worker looks whether it is there."""
+        mark = self.folder / "away"
+        grid = hashlib.sha256((self.inputs / "sphere.vdb").read_bytes()).hexdigest()
+        worker = self.start_worker(environment={
+            "LD_PRELOAD": os.environ["TET_HIDE_ONCE_LIBRARY"],
+            "TET_HIDE_ONCE": str(mark), "TET_HIDE_AT": grid})
+        mark.touch()
+        job = self.submit()
+        self.assert_all_succeed()
+        self.assertFalse(mark.exists())  # the grid was opened in vain
+        self.assertEqual(worker.samples()['tetstream_worker_shards_total{outcome="failed"}'], 0)
+        self.assertEqual(self.show(job)["given_back_shards"], 0)
 
     def test_a_store_that_is_another_is_refused_by_server_and_worker(self):
         other = self.folder / "other"

@@ -207,8 +207,7 @@ void JobWorker::do_shards(const std::stop_token& stopping) {
       waiting_.erase(next);
       ++running_[shard->lease.space];
     }
-    const absl::Status outcome =
-        guarded("a shard", [&] { return maker_.run(shard->lease, shard->watch); });
+    const absl::Status outcome = guarded("a shard", [&] { return run(*shard); });
     contain("the end of a shard", [&] { settle(shard, outcome, stopping); });
     {
       const std::lock_guard lock(mutex_);
@@ -223,6 +222,15 @@ void JobWorker::let_go(const HeldShard& shard) {
   const std::lock_guard lock(mutex_);
   held_.erase(shard);
   changed_.notify_all();
+}
+
+/// Where the store was away at the moment that a grid was opened, it may be back before anybody
+/// looks: so what the right store does not have is looked for again.
+absl::Status JobWorker::run(const Held& shard) {
+  const absl::Status outcome = maker_.run(shard.lease, shard.watch);
+  if (reason_of(outcome) != "GRID_NOT_FOUND") return outcome;
+  const absl::Status place = place_.check_store();
+  return place.ok() ? maker_.run(shard.lease, shard.watch) : place;
 }
 
 /// Tells the store how a shard ended that it does not know of yet. A store that does not answer

@@ -77,6 +77,7 @@ class JobWorker {
   ClaimShards next_claim();
   std::deque<HeldShard>::iterator next_waiting();
   void do_shards(const std::stop_token& stopping);
+  absl::Status run(const Held& shard);
   void settle(const HeldShard& shard,
               const absl::Status& outcome,
               const std::stop_token& stopping);
