@@ -1,19 +1,9 @@
 #include "core/transfer/mesh_patch.h"
 
 #include <cstdint>
-#include <optional>
 #include <utility>
 
 namespace tet {
-namespace {
-
-bool keeps_less(const KeptParts& kept, std::uint64_t tets, std::uint64_t least) {
-  std::uint64_t kept_tets = 0;
-  for (const KeptRun& run : kept.tets) kept_tets += run.count;
-  return least > 0 && kept_tets < tets / least;
-}
-
-}  // namespace
 
 std::shared_ptr<const MeshPatch> MeshPatch::between(
     const std::shared_ptr<const BrickPlan>& earlier,
@@ -29,15 +19,8 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(
       before.mesh.rules() != now.mesh.rules() || earlier->to_world() != mesh->to_world()) {
     return nullptr;
   }
-  const auto compare = [&](PatchDetail by) {
-    return compare_meshes(before, now, by, limits.most_runs, cancellation);
-  };
-  std::optional<MeshDifference> difference = compare(detail);
-  if (!difference) difference = compare(PatchDetail::kWhole);
-  if (!difference ||
-      keeps_less(difference->kept, mesh->header().tet_count, limits.least_kept)) {
-    return nullptr;
-  }
+  auto difference = compare_meshes(before, now, detail, limits, cancellation);
+  if (!difference) return nullptr;
   return std::shared_ptr<const MeshPatch>(
       new MeshPatch(std::move(mesh), *std::move(difference)));
 }

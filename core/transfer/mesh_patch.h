@@ -14,16 +14,6 @@
 
 namespace tet {
 
-/// Beyond these the whole mesh is sent.
-struct PatchLimits {
-  /// Runs are in a header, which is one message: of 21 bytes each at most, and gRPC's clients
-  /// take 4 MiB unless they say otherwise.
-  std::size_t most_runs = 100'000;
-  /// One tet of so many; 0 for none. What is put together from a patch is moved once more than
-  /// what comes whole: a quarter of a session's frame where nearly all is new.
-  std::uint64_t least_kept = 16;
-};
-
 /// Kept parts and patches: contiguous runs of the mesh's vertices and tets, or of those that
 /// are not kept, which together with the kept parts are the whole mesh, byte for byte.
 /// Immutable: any thread may call any member.
@@ -31,10 +21,8 @@ class MeshPatch {
  public:
   /// `mesh` as it differs from `earlier`, on its own TaskPool's threads. Null where the whole
   /// mesh is to be sent: one of them is null (see as_bricks), they have other rules, types,
-  /// spacings or origins, less is kept than the limits say, or it is in more runs than they say
-  /// even if bricks are kept as a whole or not at all, which they are where it would be more
-  /// otherwise. Null, too, once `cancellation` is requested: whoever got nothing looks whether
-  /// it is.
+  /// spacings or origins, or the limits say so (see compare_meshes). Null, too, once
+  /// `cancellation` is requested: whoever got nothing looks whether it is.
   static std::shared_ptr<const MeshPatch> between(
       const std::shared_ptr<const BrickPlan>& earlier,
       std::shared_ptr<const BrickPlan> mesh,

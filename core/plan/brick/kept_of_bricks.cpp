@@ -20,6 +20,10 @@ std::uint32_t place_before(const KeptBricks& kept, std::size_t brick) {
   return kept.vertices[brick] != kNewBrick ? kept.vertices[brick] : kept.nodes[brick];
 }
 
+bool keeps_slices(int level, PatchDetail detail) {
+  return detail == PatchDetail::kSlices && level == 0;
+}
+
 /// What finest bricks keep of their tets.
 class TetComparison {
  public:
@@ -76,20 +80,59 @@ class TetComparison {
 
 }  // namespace
 
-std::optional<std::vector<KeptOfBrick>> find_kept_of_bricks(const ComparedMesh& earlier,
-                                                            const ComparedMesh& now,
-                                                            int level,
-                                                            const KeptBricks& kept,
-                                                            PatchDetail detail,
-                                                            std::size_t most_runs,
-                                                            const Cancellation& cancellation) {
-  const bool by_slices = detail == PatchDetail::kSlices && level == 0;
+std::vector<KeptOfBrick> find_partly_kept(const ComparedMesh& earlier,
+                                          const ComparedMesh& now,
+                                          int level,
+                                          const KeptBricks& kept,
+                                          PatchDetail detail,
+                                          const Cancellation& cancellation) {
   std::vector<KeptOfBrick> parts;
   for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
     const std::uint32_t before = place_before(kept, i);
     if (before == kNewBrick || kept.tets[i] != kNewBrick) continue;
-    if (kept.vertices[i] == kNewBrick || by_slices) parts.push_back({i, before, {}, {}, {}});
+    if (kept.vertices[i] == kNewBrick || keeps_slices(level, detail)) {
+      parts.push_back({.brick = i, .before = before, .cells = {}, .vertices = {}, .tets = {}});
+    }
   }
+  if (level > 0) return parts;
+  for_each_range(parts.size(), kPartsPerRange, [&](std::size_t begin, std::size_t end) {
+    const TetComparison tets(earlier, now);
+    for (std::size_t k = begin; k < end && !cancellation.requested(); ++k) {
+      KeptOfBrick& part = parts[k];
+      part.cells = tets.kept_cells(part.before, part.brick, kept.read.of(part.brick));
+    }
+  });
+  return parts;
+}
+
+std::uint64_t most_kept_tets(const CountedMesh& now,
+                             int level,
+                             const KeptBricks& kept,
+                             const std::vector<KeptOfBrick>& parts,
+                             PatchDetail detail) {
+  const std::size_t first = now.first_brick(level);
+  std::uint64_t tets = 0;
+  const auto add = [&](std::size_t brick) {
+    tets += now.first_tet(first + brick + 1) - now.first_tet(first + brick);
+  };
+  for (std::size_t i = 0; i < kept.tets.size(); ++i) {
+    if (kept.tets[i] != kNewBrick) add(i);
+  }
+  if (!keeps_slices(level, detail)) return tets;
+  for (const KeptOfBrick& part : parts) {
+    if (part.cells.any()) add(part.brick);
+  }
+  return tets;
+}
+
+bool find_kept_runs(const ComparedMesh& earlier,
+                    const ComparedMesh& now,
+                    int level,
+                    const KeptBricks& kept,
+                    std::vector<KeptOfBrick>& parts,
+                    PatchDetail detail,
+                    std::size_t most_runs,
+                    const Cancellation& cancellation) {
   // The first run of a brick's vertices, and of its tets, may go on with the last of another's.
   const std::size_t too_many = most_runs + 2 * parts.size();
   std::atomic<std::size_t> runs{0};
@@ -101,22 +144,17 @@ std::optional<std::vector<KeptOfBrick>> find_kept_of_bricks(const ComparedMesh& 
     const TetComparison tets(earlier, now);
     for (std::size_t k = begin; k < end && !is_over(); ++k) {
       KeptOfBrick& part = parts[k];
-      const auto [brick, before] = std::pair(part.brick, part.before);
-      BrickMask cells;
-      if (level == 0) cells = tets.kept_cells(before, brick, kept.read.of(brick));
-      if (kept.vertices[brick] == kNewBrick) {
-        vertices.look_at(before, brick);
-        vertices.add_runs(cells, part.vertices);
+      if (kept.vertices[part.brick] == kNewBrick) {
+        vertices.look_at(part.before, part.brick);
+        vertices.add_runs(part.cells, part.vertices);
       }
-      if (by_slices) {
-        part.new_cells = ~cells;
-        if (cells.any()) tets.add_runs(before, brick, cells, part.tets);
+      if (keeps_slices(level, detail) && part.cells.any()) {
+        tets.add_runs(part.before, part.brick, part.cells, part.tets);
       }
       runs.fetch_add(part.vertices.size() + part.tets.size(), std::memory_order_relaxed);
     }
   });
-  if (is_over()) return std::nullopt;
-  return parts;
+  return !is_over();
 }
 
 }  // namespace tet

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
+#include <cstdint>
 #include <vector>
 
 #include "core/base/brick_mask.h"
@@ -17,19 +17,35 @@ namespace tet {
 struct KeptOfBrick {
   std::size_t brick = 0;   ///< of the level
   std::size_t before = 0;  ///< its place in the earlier one
+  BrickMask cells;         ///< of the finest level: those of which all is as it was
   std::vector<KeptRun> vertices, tets;
-  BrickMask new_cells;  ///< all of those whose tets are not kept
 };
 
-/// Finds that in the order of bricks; `kept` is of the level. A brick may keep a thousand runs:
-/// nothing is returned once they are sure to be more than `most_runs` together, or the work is
-/// to stop. Parallel.
-std::optional<std::vector<KeptOfBrick>> find_kept_of_bricks(const ComparedMesh& earlier,
-                                                            const ComparedMesh& now,
-                                                            int level,
-                                                            const KeptBricks& kept,
-                                                            PatchDetail detail,
-                                                            std::size_t most_runs,
-                                                            const Cancellation& cancellation);
+/// Finds the bricks of a level that may keep a part, in their order, without the runs; `kept`
+/// is of the level. Unspecified once the work is to stop. Parallel.
+std::vector<KeptOfBrick> find_partly_kept(const ComparedMesh& earlier,
+                                          const ComparedMesh& now,
+                                          int level,
+                                          const KeptBricks& kept,
+                                          PatchDetail detail,
+                                          const Cancellation& cancellation);
+
+/// The most tets that a level keeps: all of those bricks that keep any.
+std::uint64_t most_kept_tets(const CountedMesh& now,
+                             int level,
+                             const KeptBricks& kept,
+                             const std::vector<KeptOfBrick>& parts,
+                             PatchDetail detail);
+
+/// Adds the runs to what find_partly_kept found. A brick may keep a thousand of them: false
+/// once they are sure to be more than `most_runs` together, or the work is to stop. Parallel.
+bool find_kept_runs(const ComparedMesh& earlier,
+                    const ComparedMesh& now,
+                    int level,
+                    const KeptBricks& kept,
+                    std::vector<KeptOfBrick>& parts,
+                    PatchDetail detail,
+                    std::size_t most_runs,
+                    const Cancellation& cancellation);
 
 }  // namespace tet

@@ -202,7 +202,7 @@ void add_level(const ComparedMesh& earlier,
     }
     if (has_part && !part->tets.empty()) {
       for (const KeptRun& run : part->tets) add_run(difference.kept.tets, run);
-      difference.partly.push_back({brick, part->new_cells});
+      difference.partly.push_back({brick, ~part->cells});
     }
     part += has_part ? 1 : 0;
     auto& changed = difference.changed;
@@ -213,6 +213,66 @@ void add_level(const ComparedMesh& earlier,
     }
   }
 }
+
+enum class Outcome : std::uint8_t { kFound, kManyRuns, kOfNoUse };
+
+/// Tells two meshes apart, by one detail or another.
+class Comparison {
+ public:
+  Comparison(const ComparedMesh& earlier,
+             const ComparedMesh& now,
+             const PatchLimits& limits,
+             const Cancellation& cancellation)
+      : earlier_(earlier), now_(now), limits_(limits), cancellation_(cancellation) {}
+
+  Outcome compare(PatchDetail detail, MeshDifference& difference) const {
+    std::vector<KeptBricks> found;
+    const std::vector<KeptBricks>* kept =
+        detail == PatchDetail::kWhole ? nullptr : now_.mesh.kept_of(earlier_.mesh);
+    if (kept == nullptr) {
+      found = find_kept_bricks(earlier_, now_, {}, detail, cancellation_);
+      kept = &found;
+    }
+    if (cancellation_.requested()) return Outcome::kOfNoUse;
+    std::vector<std::vector<KeptOfBrick>> parts;
+    std::uint64_t most = 0;
+    for (std::size_t l = 0; l < kept->size(); ++l) {
+      const int level = static_cast<int>(l);
+      parts.push_back(
+          find_partly_kept(earlier_, now_, level, (*kept)[l], detail, cancellation_));
+      most += most_kept_tets(now_.mesh, level, (*kept)[l], parts.back(), detail);
+    }
+    if (keeps_too_little(most)) return Outcome::kOfNoUse;  // before runs are looked for
+    difference = {};
+    difference.kept.loose = detail == PatchDetail::kSlices;
+    for (std::size_t l = 0; l < kept->size(); ++l) {
+      const int level = static_cast<int>(l);
+      if (!find_kept_runs(earlier_, now_, level, (*kept)[l], parts[l], detail,
+                          limits_.most_runs, cancellation_)) {
+        return cancellation_.requested() ? Outcome::kOfNoUse : Outcome::kManyRuns;
+      }
+      add_level(earlier_, now_, level, (*kept)[l], parts[l], difference);
+      parts[l] = {};
+      if (difference.kept.vertices.size() + difference.kept.tets.size() > limits_.most_runs) {
+        return Outcome::kManyRuns;
+      }
+    }
+    std::uint64_t tets = 0;
+    for (const KeptRun& run : difference.kept.tets) tets += run.count;
+    return keeps_too_little(tets) ? Outcome::kOfNoUse : Outcome::kFound;
+  }
+
+ private:
+  bool keeps_too_little(std::uint64_t tets) const {
+    const std::uint64_t all = now_.mesh.first_tet(now_.mesh.brick_count());
+    return limits_.least_kept > 0 && tets < all / limits_.least_kept;
+  }
+
+  const ComparedMesh& earlier_;
+  const ComparedMesh& now_;
+  const PatchLimits& limits_;
+  const Cancellation& cancellation_;
+};
 
 }  // namespace
 
@@ -243,26 +303,15 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
 std::optional<MeshDifference> compare_meshes(const ComparedMesh& earlier,
                                              const ComparedMesh& now,
                                              PatchDetail detail,
-                                             std::size_t most_runs,
+                                             const PatchLimits& limits,
                                              const Cancellation& cancellation) {
+  const Comparison comparison(earlier, now, limits, cancellation);
   MeshDifference difference;
-  std::vector<KeptBricks> found;
-  const std::vector<KeptBricks>* const known =
-      detail == PatchDetail::kWhole ? nullptr : now.mesh.kept_of(earlier.mesh);
-  if (known == nullptr) found = find_kept_bricks(earlier, now, {}, detail, cancellation);
-  if (cancellation.requested()) return std::nullopt;
-  const std::vector<KeptBricks>& kept = known != nullptr ? *known : found;
-  difference.kept.loose = detail == PatchDetail::kSlices;
-  for (std::size_t l = 0; l < kept.size(); ++l) {
-    const int level = static_cast<int>(l);
-    const auto parts =
-        find_kept_of_bricks(earlier, now, level, kept[l], detail, most_runs, cancellation);
-    if (!parts) return std::nullopt;
-    add_level(earlier, now, level, kept[l], *parts, difference);
-    if (difference.kept.vertices.size() + difference.kept.tets.size() > most_runs) {
-      return std::nullopt;
-    }
+  Outcome outcome = comparison.compare(detail, difference);
+  if (outcome == Outcome::kManyRuns) {
+    outcome = comparison.compare(PatchDetail::kWhole, difference);
   }
+  if (outcome != Outcome::kFound) return std::nullopt;
   return difference;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -17,6 +18,16 @@ namespace tet {
 struct PartlyNew {
   std::size_t brick = 0;
   BrickMask cells;
+};
+
+/// Beyond these a difference is of no use: the whole mesh is sent.
+struct PatchLimits {
+  /// Runs are in a header, which is one message: of 21 bytes each at most, and gRPC's clients
+  /// take 4 MiB unless they say otherwise.
+  std::size_t most_runs = 100'000;
+  /// One tet of so many; 0 for none. What is put together from a patch is moved once more than
+  /// what comes whole: a quarter of a session's frame where nearly all is new.
+  std::uint64_t least_kept = 16;
 };
 
 struct MeshDifference {
@@ -40,12 +51,13 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
 /// alone. Both meshes have the same rules and the same way from lattice to world. What `now`
 /// found when it was counted after `earlier` is not looked for again. Parallel.
 ///
-/// Returns nothing where what is kept is in more than `most_runs`, for which no memory is
-/// taken, or where the work is to stop.
+/// Where there would be more runs than the limits say, bricks are kept as a whole or not at
+/// all. Returns nothing where there are more even so, or less is kept, for which no memory is
+/// taken; or where the work is to stop.
 std::optional<MeshDifference> compare_meshes(const ComparedMesh& earlier,
                                              const ComparedMesh& now,
                                              PatchDetail detail,
-                                             std::size_t most_runs,
+                                             const PatchLimits& limits,
                                              const Cancellation& cancellation);
 
 }  // namespace tet
