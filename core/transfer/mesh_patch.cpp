@@ -19,7 +19,7 @@ std::shared_ptr<const MeshPatch> MeshPatch::between(
       before.mesh.rules() != now.mesh.rules() || earlier->to_world() != mesh->to_world()) {
     return nullptr;
   }
-  auto difference = compare_meshes(before, now, detail, limits, cancellation);
+  auto difference = compare_meshes({before, now, detail, cancellation}, limits);
   if (!difference) return nullptr;
   return std::shared_ptr<const MeshPatch>(
       new MeshPatch(std::move(mesh), *std::move(difference)));

@@ -63,8 +63,9 @@ CountedMesh::CountedMesh(SurveyedMesh surveyed, const Cancellation& cancellation
   if (!cancellation.requested()) find_vertices(before, unchanged, cancellation);
   if (cancellation.requested()) return;
   if (before != nullptr) {
-    kept_ = find_kept_bricks(*earlier, {*this, field}, std::move(unchanged),
-                             PatchDetail::kBricks, cancellation);
+    const ComparedMesh now{*this, field};
+    kept_ = find_kept_bricks({*earlier, now, PatchDetail::kBricks, cancellation},
+                             std::move(unchanged));
     if (cancellation.requested()) return;
     earlier_serial_ = before->serial_;
   }

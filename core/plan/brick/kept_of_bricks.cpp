@@ -80,24 +80,21 @@ class TetComparison {
 
 }  // namespace
 
-std::vector<KeptOfBrick> find_partly_kept(const ComparedMesh& earlier,
-                                          const ComparedMesh& now,
+std::vector<KeptOfBrick> find_partly_kept(const ComparedPair& meshes,
                                           int level,
-                                          const KeptBricks& kept,
-                                          PatchDetail detail,
-                                          const Cancellation& cancellation) {
+                                          const KeptBricks& kept) {
   std::vector<KeptOfBrick> parts;
   for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
     const std::uint32_t before = place_before(kept, i);
     if (before == kNewBrick || kept.tets[i] != kNewBrick) continue;
-    if (kept.vertices[i] == kNewBrick || keeps_slices(level, detail)) {
+    if (kept.vertices[i] == kNewBrick || keeps_slices(level, meshes.detail)) {
       parts.push_back({.brick = i, .before = before, .cells = {}, .vertices = {}, .tets = {}});
     }
   }
   if (level > 0) return parts;
   for_each_range(parts.size(), kPartsPerRange, [&](std::size_t begin, std::size_t end) {
-    const TetComparison tets(earlier, now);
-    for (std::size_t k = begin; k < end && !cancellation.requested(); ++k) {
+    const TetComparison tets(meshes.earlier, meshes.now);
+    for (std::size_t k = begin; k < end && !meshes.cancellation.requested(); ++k) {
       KeptOfBrick& part = parts[k];
       part.cells = tets.kept_cells(part.before, part.brick, kept.read.of(part.brick));
     }
@@ -105,11 +102,11 @@ std::vector<KeptOfBrick> find_partly_kept(const ComparedMesh& earlier,
   return parts;
 }
 
-std::uint64_t most_kept_tets(const CountedMesh& now,
+std::uint64_t most_kept_tets(const ComparedPair& meshes,
                              int level,
                              const KeptBricks& kept,
-                             const std::vector<KeptOfBrick>& parts,
-                             PatchDetail detail) {
+                             const std::vector<KeptOfBrick>& parts) {
+  const CountedMesh& now = meshes.now.mesh;
   const std::size_t first = now.first_brick(level);
   std::uint64_t tets = 0;
   const auto add = [&](std::size_t brick) {
@@ -118,37 +115,34 @@ std::uint64_t most_kept_tets(const CountedMesh& now,
   for (std::size_t i = 0; i < kept.tets.size(); ++i) {
     if (kept.tets[i] != kNewBrick) add(i);
   }
-  if (!keeps_slices(level, detail)) return tets;
+  if (!keeps_slices(level, meshes.detail)) return tets;
   for (const KeptOfBrick& part : parts) {
     if (part.cells.any()) add(part.brick);
   }
   return tets;
 }
 
-bool find_kept_runs(const ComparedMesh& earlier,
-                    const ComparedMesh& now,
+bool find_kept_runs(const ComparedPair& meshes,
                     int level,
                     const KeptBricks& kept,
-                    std::vector<KeptOfBrick>& parts,
-                    PatchDetail detail,
                     std::size_t most_runs,
-                    const Cancellation& cancellation) {
+                    std::vector<KeptOfBrick>& parts) {
   // The first run of a brick's vertices, and of its tets, may go on with the last of another's.
   const std::size_t too_many = most_runs + 2 * parts.size();
   std::atomic<std::size_t> runs{0};
   const auto is_over = [&] {
-    return runs.load(std::memory_order_relaxed) > too_many || cancellation.requested();
+    return runs.load(std::memory_order_relaxed) > too_many || meshes.cancellation.requested();
   };
   for_each_range(parts.size(), kPartsPerRange, [&](std::size_t begin, std::size_t end) {
-    VertexComparison vertices(earlier, now, level, PatchDetail::kBricks);
-    const TetComparison tets(earlier, now);
+    VertexComparison vertices(meshes.earlier, meshes.now, level, PatchDetail::kBricks);
+    const TetComparison tets(meshes.earlier, meshes.now);
     for (std::size_t k = begin; k < end && !is_over(); ++k) {
       KeptOfBrick& part = parts[k];
       if (kept.vertices[part.brick] == kNewBrick) {
         vertices.look_at(part.before, part.brick);
         vertices.add_runs(part.cells, part.vertices);
       }
-      if (keeps_slices(level, detail) && part.cells.any()) {
+      if (keeps_slices(level, meshes.detail) && part.cells.any()) {
         tets.add_runs(part.before, part.brick, part.cells, part.tets);
       }
       runs.fetch_add(part.vertices.size() + part.tets.size(), std::memory_order_relaxed);

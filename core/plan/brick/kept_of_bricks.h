@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/base/brick_mask.h"
-#include "core/base/cancel.h"
 #include "core/mesh/splice.h"
 #include "core/plan/brick/kept_bricks.h"
 #include "core/plan/brick/mesh_difference.h"
@@ -23,29 +22,22 @@ struct KeptOfBrick {
 
 /// Finds the bricks of a level that may keep a part, in their order, without the runs; `kept`
 /// is of the level. Unspecified once the work is to stop. Parallel.
-std::vector<KeptOfBrick> find_partly_kept(const ComparedMesh& earlier,
-                                          const ComparedMesh& now,
+std::vector<KeptOfBrick> find_partly_kept(const ComparedPair& meshes,
                                           int level,
-                                          const KeptBricks& kept,
-                                          PatchDetail detail,
-                                          const Cancellation& cancellation);
+                                          const KeptBricks& kept);
 
 /// The most tets that a level keeps: all of those bricks that keep any.
-std::uint64_t most_kept_tets(const CountedMesh& now,
+std::uint64_t most_kept_tets(const ComparedPair& meshes,
                              int level,
                              const KeptBricks& kept,
-                             const std::vector<KeptOfBrick>& parts,
-                             PatchDetail detail);
+                             const std::vector<KeptOfBrick>& parts);
 
 /// Adds the runs to what find_partly_kept found. A brick may keep a thousand of them: false
 /// once they are sure to be more than `most_runs` together, or the work is to stop. Parallel.
-bool find_kept_runs(const ComparedMesh& earlier,
-                    const ComparedMesh& now,
+bool find_kept_runs(const ComparedPair& meshes,
                     int level,
                     const KeptBricks& kept,
-                    std::vector<KeptOfBrick>& parts,
-                    PatchDetail detail,
                     std::size_t most_runs,
-                    const Cancellation& cancellation);
+                    std::vector<KeptOfBrick>& parts);
 
 }  // namespace tet

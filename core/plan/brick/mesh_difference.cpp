@@ -95,14 +95,12 @@ struct OtherBrick {
 /// kNewBrick; `same` has some of them, or is empty. `changed` gets the bricks that only one
 /// level has, and those that differ; and `partly_same` the earlier numbers of the latter,
 /// unless they keep nothing.
-BrickPlaces find_same(const ComparedMesh& earlier,
-                      const ComparedMesh& now,
+BrickPlaces find_same(const ComparedPair& meshes,
                       int level,
-                      PatchDetail detail,
-                      const Cancellation& cancellation,
                       BrickPlaces same,
                       std::vector<ChangedBrick>& changed,
                       BrickPlaces& partly_same) {
+  const ComparedMesh &earlier = meshes.earlier, &now = meshes.now;
   const auto l = static_cast<std::size_t>(level);
   static const std::vector<BrickCoord> none;
   const auto& levels_before = earlier.mesh.tree().levels;
@@ -118,7 +116,7 @@ BrickPlaces find_same(const ComparedMesh& earlier,
     if (begin == end) return;
     LevelComparison comparison(earlier, now, level);
     auto at = std::ranges::lower_bound(before, bricks[begin]);
-    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+    for (std::size_t i = begin; i < end && !meshes.cancellation.requested(); ++i) {
       if (same[i] != kNewBrick) continue;
       while (at != before.end() && *at < bricks[i]) ++at;
       if (at == before.end() || *at != bricks[i]) continue;
@@ -138,7 +136,7 @@ BrickPlaces find_same(const ComparedMesh& earlier,
     const bool was_there = at < before.size() && before[at] == bricks[i];
     if (same[i] == kNewBrick) {
       others.push_back({was_there ? at : kNewBrick, i});
-      if (was_there && detail != PatchDetail::kWhole)
+      if (was_there && meshes.detail != PatchDetail::kWhole)
         partly_same[i] = static_cast<std::uint32_t>(at);
     }
     at += was_there;
@@ -146,8 +144,8 @@ BrickPlaces find_same(const ComparedMesh& earlier,
   vanish_below(nullptr);
   changed.resize(others.size());
   for_each_range(others.size(), kComparedPerRange, [&](std::size_t begin, std::size_t end) {
-    VertexComparison comparison(earlier, now, level, detail);
-    for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+    VertexComparison comparison(earlier, now, level, meshes.detail);
+    for (std::size_t i = begin; i < end && !meshes.cancellation.requested(); ++i) {
       const auto [then, here] = others[i];
       comparison.look_at(then, here);
       const BrickMask cells = changed_cells(then == kNewBrick ? nullptr : level_before, then,
@@ -216,80 +214,68 @@ void add_level(const ComparedMesh& earlier,
 
 enum class Outcome : std::uint8_t { kFound, kManyRuns, kOfNoUse };
 
-/// Tells two meshes apart, by one detail or another.
-class Comparison {
- public:
-  Comparison(const ComparedMesh& earlier,
-             const ComparedMesh& now,
-             const PatchLimits& limits,
-             const Cancellation& cancellation)
-      : earlier_(earlier), now_(now), limits_(limits), cancellation_(cancellation) {}
+bool keeps_too_little(const CountedMesh& mesh, std::uint64_t tets, const PatchLimits& limits) {
+  const std::uint64_t all = mesh.first_tet(mesh.brick_count());
+  return limits.least_kept > 0 && tets < all / limits.least_kept;
+}
 
-  Outcome compare(PatchDetail detail, MeshDifference& difference) const {
-    std::vector<KeptBricks> found;
-    const std::vector<KeptBricks>* kept =
-        detail == PatchDetail::kWhole ? nullptr : now_.mesh.kept_of(earlier_.mesh);
-    if (kept == nullptr) {
-      found = find_kept_bricks(earlier_, now_, {}, detail, cancellation_);
-      kept = &found;
-    }
-    if (cancellation_.requested()) return Outcome::kOfNoUse;
-    std::vector<std::vector<KeptOfBrick>> parts;
-    std::uint64_t most = 0;
-    for (std::size_t l = 0; l < kept->size(); ++l) {
-      const int level = static_cast<int>(l);
-      parts.push_back(
-          find_partly_kept(earlier_, now_, level, (*kept)[l], detail, cancellation_));
-      most += most_kept_tets(now_.mesh, level, (*kept)[l], parts.back(), detail);
-    }
-    if (keeps_too_little(most)) return Outcome::kOfNoUse;  // before runs are looked for
-    difference = {};
-    difference.kept.loose = detail == PatchDetail::kSlices;
-    for (std::size_t l = 0; l < kept->size(); ++l) {
-      const int level = static_cast<int>(l);
-      if (!find_kept_runs(earlier_, now_, level, (*kept)[l], parts[l], detail,
-                          limits_.most_runs, cancellation_)) {
-        return cancellation_.requested() ? Outcome::kOfNoUse : Outcome::kManyRuns;
-      }
-      add_level(earlier_, now_, level, (*kept)[l], parts[l], difference);
-      parts[l] = {};
-      if (difference.kept.vertices.size() + difference.kept.tets.size() > limits_.most_runs) {
-        return Outcome::kManyRuns;
-      }
-    }
-    std::uint64_t tets = 0;
-    for (const KeptRun& run : difference.kept.tets) tets += run.count;
-    return keeps_too_little(tets) ? Outcome::kOfNoUse : Outcome::kFound;
+/// `found` is where it is not known what is kept.
+const std::vector<KeptBricks>& kept_of(const ComparedPair& meshes,
+                                       std::vector<KeptBricks>& found) {
+  const std::vector<KeptBricks>* const known =
+      meshes.detail == PatchDetail::kWhole ? nullptr
+                                           : meshes.now.mesh.kept_of(meshes.earlier.mesh);
+  if (known != nullptr) return *known;
+  return found = find_kept_bricks(meshes, {});
+}
+
+Outcome find_difference(const ComparedPair& meshes,
+                        const PatchLimits& limits,
+                        MeshDifference& difference) {
+  std::vector<KeptBricks> found;
+  const std::vector<KeptBricks>& kept = kept_of(meshes, found);
+  if (meshes.cancellation.requested()) return Outcome::kOfNoUse;
+  std::vector<std::vector<KeptOfBrick>> parts;
+  std::uint64_t most = 0;
+  for (std::size_t l = 0; l < kept.size(); ++l) {
+    const int level = static_cast<int>(l);
+    parts.push_back(find_partly_kept(meshes, level, kept[l]));
+    most += most_kept_tets(meshes, level, kept[l], parts.back());
   }
-
- private:
-  bool keeps_too_little(std::uint64_t tets) const {
-    const std::uint64_t all = now_.mesh.first_tet(now_.mesh.brick_count());
-    return limits_.least_kept > 0 && tets < all / limits_.least_kept;
+  // Before runs are looked for.
+  if (keeps_too_little(meshes.now.mesh, most, limits)) return Outcome::kOfNoUse;
+  difference = {};
+  difference.kept.loose = meshes.detail == PatchDetail::kSlices;
+  for (std::size_t l = 0; l < kept.size(); ++l) {
+    const int level = static_cast<int>(l);
+    if (!find_kept_runs(meshes, level, kept[l], limits.most_runs, parts[l])) {
+      return meshes.cancellation.requested() ? Outcome::kOfNoUse : Outcome::kManyRuns;
+    }
+    add_level(meshes.earlier, meshes.now, level, kept[l], parts[l], difference);
+    parts[l] = {};
+    if (difference.kept.vertices.size() + difference.kept.tets.size() > limits.most_runs) {
+      return Outcome::kManyRuns;
+    }
   }
-
-  const ComparedMesh& earlier_;
-  const ComparedMesh& now_;
-  const PatchLimits& limits_;
-  const Cancellation& cancellation_;
-};
+  std::uint64_t tets = 0;
+  for (const KeptRun& run : difference.kept.tets) tets += run.count;
+  return keeps_too_little(meshes.now.mesh, tets, limits) ? Outcome::kOfNoUse : Outcome::kFound;
+}
 
 }  // namespace
 
-std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
-                                         const ComparedMesh& now,
-                                         std::vector<BrickPlaces> unchanged,
-                                         PatchDetail detail,
-                                         const Cancellation& cancellation) {
+std::vector<KeptBricks> find_kept_bricks(const ComparedPair& meshes,
+                                         std::vector<BrickPlaces> unchanged) {
+  const ComparedMesh& now = meshes.now;
   unchanged.resize(now.mesh.tree().levels.size());
   std::vector<KeptBricks> kept;
   std::vector<std::vector<ChangedBrick>> changed;
   for (int level = 0; level < static_cast<int>(now.mesh.tree().levels.size()); ++level) {
     KeptBricks level_kept;
-    level_kept.vertices = find_same(earlier, now, level, detail, cancellation,
-                                    std::move(unchanged[static_cast<std::size_t>(level)]),
-                                    changed.emplace_back(), level_kept.nodes);
-    if (cancellation.requested()) break;
+    level_kept.vertices =
+        find_same(meshes, level, std::move(unchanged[static_cast<std::size_t>(level)]),
+                  changed.emplace_back(), level_kept.nodes);
+    if (meshes.cancellation.requested()) break;
     level_kept.tets = level_kept.vertices;
     const OctreeLevel& tree_level = now.mesh.tree().levels[static_cast<std::size_t>(level)];
     if (level == 0) level_kept.read = ReadCells(tree_level.bricks.size());
@@ -300,16 +286,14 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
   return kept;
 }
 
-std::optional<MeshDifference> compare_meshes(const ComparedMesh& earlier,
-                                             const ComparedMesh& now,
-                                             PatchDetail detail,
-                                             const PatchLimits& limits,
-                                             const Cancellation& cancellation) {
-  const Comparison comparison(earlier, now, limits, cancellation);
+std::optional<MeshDifference> compare_meshes(const ComparedPair& meshes,
+                                             const PatchLimits& limits) {
   MeshDifference difference;
-  Outcome outcome = comparison.compare(detail, difference);
+  Outcome outcome = find_difference(meshes, limits, difference);
   if (outcome == Outcome::kManyRuns) {
-    outcome = comparison.compare(PatchDetail::kWhole, difference);
+    const ComparedPair coarsely{meshes.earlier, meshes.now, PatchDetail::kWhole,
+                                meshes.cancellation};
+    outcome = find_difference(coarsely, limits, difference);
   }
   if (outcome != Outcome::kFound) return std::nullopt;
   return difference;

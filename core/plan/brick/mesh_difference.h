@@ -30,6 +30,14 @@ struct PatchLimits {
   std::uint64_t least_kept = 16;
 };
 
+/// Two meshes and how they are compared; refers to all that it has.
+struct ComparedPair {
+  const ComparedMesh& earlier;
+  const ComparedMesh& now;
+  PatchDetail detail;
+  const Cancellation& cancellation;
+};
+
 struct MeshDifference {
   KeptParts kept;
   std::vector<BrickRange> changed;  ///< bricks whose tets are not all kept; in order
@@ -40,11 +48,8 @@ struct MeshDifference {
 /// Bricks that are `unchanged` (see find_unchanged_bricks) are not looked at again; with an
 /// empty list all are. It is the same for all details but kWhole. Unspecified once the work is
 /// to stop.
-std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
-                                         const ComparedMesh& now,
-                                         std::vector<BrickPlaces> unchanged,
-                                         PatchDetail detail,
-                                         const Cancellation& cancellation);
+std::vector<KeptBricks> find_kept_bricks(const ComparedPair& meshes,
+                                         std::vector<BrickPlaces> unchanged);
 
 /// A brick's vertices are kept where each is there and lies where it lay; its tets where that
 /// holds for all cells and vertices that they read. Depends on the two fields and the request
@@ -54,10 +59,7 @@ std::vector<KeptBricks> find_kept_bricks(const ComparedMesh& earlier,
 /// Where there would be more runs than the limits say, bricks are kept as a whole or not at
 /// all. Returns nothing where there are more even so, or less is kept, for which no memory is
 /// taken; or where the work is to stop.
-std::optional<MeshDifference> compare_meshes(const ComparedMesh& earlier,
-                                             const ComparedMesh& now,
-                                             PatchDetail detail,
-                                             const PatchLimits& limits,
-                                             const Cancellation& cancellation);
+std::optional<MeshDifference> compare_meshes(const ComparedPair& meshes,
+                                             const PatchLimits& limits);
 
 }  // namespace tet

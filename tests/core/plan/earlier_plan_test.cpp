@@ -42,8 +42,9 @@ bool expect_same_kept(const MeshPlan& earlier, const MeshPlan& now, const MeshPl
   EXPECT_EQ(fresh->counted().mesh.kept_of(mesh_before), nullptr);
   const std::vector<KeptBricks>* const known = after->counted().mesh.kept_of(mesh_before);
   if (known == nullptr) return false;
-  const std::vector<KeptBricks> found = find_kept_bricks(
-      before->counted(), fresh->counted(), {}, PatchDetail::kBricks, Cancellation());
+  const Cancellation never;
+  const std::vector<KeptBricks> found =
+      find_kept_bricks({before->counted(), fresh->counted(), PatchDetail::kBricks, never}, {});
   EXPECT_EQ(known->size(), found.size());
   for (std::size_t level = 0; level < std::min(known->size(), found.size()); ++level) {
     EXPECT_EQ((*known)[level].vertices, found[level].vertices);
