@@ -127,7 +127,7 @@ struct Server::Parts {
   HealthService health_service{{config.max_health_watches, config.max_client_health_watches}};
   Heartbeat heartbeat{kHeartbeat, [this] {
                         admission.expire(Admission::Clock::now());
-                        engine.check_stalls();
+                        engine.check_stalls(Stallable::Clock::now());
                         engine.give_up_idle();
                       }};
   ServerProbes probes{config};

@@ -13,9 +13,9 @@ void StallWatch::add(std::weak_ptr<Stallable> call) {
 void StallWatch::check(Stallable::Clock::time_point now, std::chrono::seconds limit) {
   for (const std::shared_ptr<Stallable>& call : calls()) {
     call->pass_time(now);
-    const auto since = call->waiting_since();
-    if (!since || now - *since < limit) continue;
-    call->give_up(std::chrono::duration_cast<std::chrono::seconds>(now - *since));
+    const auto wait = call->wait(limit);
+    if (!wait || now - wait->since < wait->most) continue;
+    call->give_up(std::chrono::duration_cast<std::chrono::seconds>(now - wait->since));
   }
 }
 

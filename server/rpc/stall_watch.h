@@ -17,6 +17,15 @@ class Stallable {
   virtual ~Stallable() = default;
   /// Since when it waits; nothing while it does not.
   virtual std::optional<Clock::time_point> waiting_since() = 0;
+  struct Wait {
+    Clock::time_point since;
+    std::chrono::seconds most;  ///< that it may take
+  };
+  /// What it waits for, where any call may wait for `limit`; nothing while it does not.
+  virtual std::optional<Wait> wait(std::chrono::seconds limit) {
+    const auto since = waiting_since();
+    return since ? std::optional<Wait>({*since, limit}) : std::nullopt;
+  }
   /// Time has passed: told every now and then.
   virtual void pass_time(Clock::time_point /*now*/) {}
   /// Ends the call, whose client has not moved for so long.
@@ -28,8 +37,8 @@ class StallWatch {
  public:
   void add(std::weak_ptr<Stallable> call);
 
-  /// Tells all of the time, and gives up what has waited for `limit` at `now`; to be called
-  /// every now and then.
+  /// Tells all of the time, and gives up what has waited for too long at `now`: for `limit`,
+  /// unless it has another of its own. To be called every now and then.
   void check(Stallable::Clock::time_point now, std::chrono::seconds limit);
 
  private:

@@ -93,8 +93,7 @@ Admission::Place MeshEngine::admit(const Call& call,
   return calls.admission().queue_mesh(call.client(), deadline, count);
 }
 
-void MeshEngine::check_stalls() {
-  const auto now = Stallable::Clock::now();
+void MeshEngine::check_stalls(Stallable::Clock::time_point now) {
   std::chrono::seconds limit(config.stall_seconds);
   if (send_budget.kept_waiting_since(now - kKeptWaiting)) {
     limit = std::min(limit, kPressedStall);

@@ -50,7 +50,7 @@ struct MeshEngine {
 
   /// Ends streams whose clients stopped reading: sooner where others wait for their blocks. To
   /// be called every now and then, as what follows.
-  void check_stalls();
+  void check_stalls(Stallable::Clock::time_point now);
   /// Whether streams should not make chunks ahead. What idles is not in their way.
   bool is_tight() const { return send_budget.is_tight(kept_memory.bytes()); }
   /// Gives up shared memory that no stream has used for a while.

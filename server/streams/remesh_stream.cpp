@@ -289,14 +289,13 @@ void RemeshStream::sent_all() {
   read();
 }
 
-std::optional<Stallable::Clock::time_point> RemeshStream::waiting_since() {
-  if (const auto writing = ChunkStream::waiting_since()) return writing;
+std::optional<Stallable::Wait> RemeshStream::wait(std::chrono::seconds limit) {
+  if (const auto writing = ChunkStream::wait(limit)) return writing;
   const std::lock_guard lock(read_mutex_);
   // A client may think for longer than it may take over a message, or a frame's next part.
   const std::chrono::seconds most(in_frame_ ? engine_.config.stall_seconds
                                             : engine_.config.session_idle_seconds);
-  if (!read_start_ || Stallable::Clock::now() - *read_start_ < most) return std::nullopt;
-  return read_start_;
+  return read_start_ ? std::optional<Wait>({*read_start_, most}) : std::nullopt;
 }
 
 void RemeshStream::give_up(std::chrono::seconds waited) {

@@ -46,7 +46,7 @@ class RemeshStream final : public ChunkStream {
                         const QualityStats& quality) const override;
   std::optional<v1::MeshEvent> refuse(const absl::Status& why) override;
   void sent_all() override;
-  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  std::optional<Wait> wait(std::chrono::seconds limit) override;
   void give_up(std::chrono::seconds waited) override;
 
   void read();

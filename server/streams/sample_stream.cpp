@@ -300,13 +300,12 @@ void SampleStream::abandon() {
   engine_.calls.admission().leave(place_);
 }
 
-std::optional<Stallable::Clock::time_point> SampleStream::waiting_since() {
-  if (const auto writing = StreamWriter::waiting_since()) return writing;
+std::optional<Stallable::Wait> SampleStream::wait(std::chrono::seconds limit) {
+  if (const auto writing = StreamWriter::wait(limit)) return writing;
   const std::lock_guard lock(mutex_);
   // A client may think for longer than it may take over a message.
   const std::chrono::seconds most(engine_.config.session_idle_seconds);
-  if (!idle_since_ || Stallable::Clock::now() - *idle_since_ < most) return std::nullopt;
-  return idle_since_;
+  return idle_since_ ? std::optional<Wait>({*idle_since_, most}) : std::nullopt;
 }
 
 void SampleStream::give_up(std::chrono::seconds waited) {

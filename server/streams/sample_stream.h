@@ -34,7 +34,7 @@ class SampleStream final : public StreamWriter {
   /// gRPC has read a message; or there is none.
   void read_done(bool ok);
 
-  std::optional<Stallable::Clock::time_point> waiting_since() override;
+  std::optional<Wait> wait(std::chrono::seconds limit) override;
   void give_up(std::chrono::seconds waited) override;
 
  private:

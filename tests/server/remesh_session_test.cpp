@@ -12,6 +12,7 @@
 #include "core/vdb/load.h"
 #include "core/volume/replace_leaves.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/server/passing_time.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/session_fixture.h"
 
@@ -244,11 +245,11 @@ TEST_F(RemeshSessionTest, TakesNoTurnFromOthersWhileItWaits) {
 }
 
 TEST_F(RemeshSessionTest, EndsASessionWhoseClientSendsNothing) {
-  config_.session_idle_seconds = 1;
-  config_.stall_seconds = 1;
+  config_.stall_seconds = 2 * config_.session_idle_seconds;
   start();
   const Session session = begin(request_of(two_balls(0)));
   ASSERT_TRUE(session);
+  const PassingTime passing(*server_, config_.session_idle_seconds);
   ASSERT_TRUE(eventually([&] { return server_->running_calls() == 0; }));
   const absl::Status late = session->update(two_balls(0.1));
   EXPECT_EQ(late.code(), absl::StatusCode::kAborted) << late;

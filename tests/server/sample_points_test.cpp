@@ -13,6 +13,7 @@
 
 #include "core/vdb/load.h"
 #include "tests/client/cutting_proxy.h"
+#include "tests/server/passing_time.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 
@@ -220,14 +221,15 @@ TEST_F(SamplePointsTest, TakesNoTurnFromMeshesWhileItWaits) {
 }
 
 TEST_F(SamplePointsTest, EndsACallWhoseClientSendsNothing) {
-  config_.session_idle_seconds = 1;
-  config_.stall_seconds = 1;
+  config_.stall_seconds = 2 * config_.session_idle_seconds;
   start();
   grpc::ClientContext context;
   const auto stream = meshes_->SamplePoints(&context);
   stream->Write(start_of(scene_of_a_ball()));
-  for (v1::SamplePointsResponse response; stream->Read(&response);) {
-  }
+  v1::SamplePointsResponse response;
+  ASSERT_TRUE(stream->Read(&response));
+  const PassingTime passing(*server_, config_.session_idle_seconds);
+  EXPECT_FALSE(stream->Read(&response));
   const grpc::Status status = stream->Finish();
   EXPECT_EQ(reason_of(status), "tetstream/CLIENT_STALLED");
   EXPECT_THAT(status.error_message(), HasSubstr("sent no points for"));

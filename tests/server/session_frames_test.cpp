@@ -9,6 +9,7 @@
 #include "client/library/error_details.h"
 #include "core/vdb/load.h"
 #include "tests/core/plan/meshing.h"
+#include "tests/server/passing_time.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/session_fixture.h"
 
@@ -102,19 +103,24 @@ TEST_F(SessionFramesTest, AnswersFramesAfterOneThatCannotBeMeshed) {
 }
 
 TEST_F(SessionFramesTest, EndsASessionWhoseClientDoesNotEndAFrame) {
-  config_.session_idle_seconds = 3600;
-  config_.stall_seconds = 1;
   start();
+  ASSERT_LT(config_.stall_seconds, config_.session_idle_seconds);
   v1::RemeshRequest begin, part;
   *begin.mutable_start() = mesh_of(ball_file(12));
   part.mutable_part()->add_leaves()->set_values(std::string(4, '\0'));
   grpc::ClientContext context;
   const auto stream = meshes_->RemeshSession(&context);
-  ASSERT_TRUE(stream->Write(begin) && stream->Write(part));
-  for (v1::MeshEvent event; stream->Read(&event);) {
-  }
+  ASSERT_TRUE(stream->Write(begin));
+  v1::MeshEvent event;
+  while (!event.has_trailer()) ASSERT_TRUE(stream->Read(&event));
+  ASSERT_TRUE(stream->Write(part));
+  // Then the server waits for the rest, and no longer for what it has written.
+  ASSERT_TRUE(eventually([&] { return activity().changed_grid_bytes > 0; }));
+  const PassingTime passing(*server_, config_.stall_seconds);
+  EXPECT_FALSE(stream->Read(&event));
   const grpc::Status status = stream->Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::ABORTED) << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr("sent no frame for"));
   EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct Waiter final : Stallable {
+struct Waiter : Stallable {
   std::optional<Clock::time_point> since;
   std::chrono::seconds waited{0};
 
@@ -27,6 +27,23 @@ TEST(StallWatch, GivesUpWhatWaitsForTooLong) {
   EXPECT_EQ(stalled->waited, 7s);
   EXPECT_EQ(slow->waited, 0s);
   EXPECT_EQ(busy->waited, 0s);
+}
+
+/// A session between two frames may take longer than one that does not read.
+struct Thinker final : Waiter {
+  std::optional<Wait> wait(std::chrono::seconds /*limit*/) override { return Wait{*since, 1h}; }
+};
+
+TEST(StallWatch, GivesUpWhatHasALimitOfItsOwnBeyondThat) {
+  StallWatch watch;
+  const auto thinking = std::make_shared<Thinker>(), gone = std::make_shared<Thinker>();
+  const auto now = Stallable::Clock::now();
+  thinking->since = now - 59min;
+  gone->since = now - 61min;
+  for (const auto& call : {thinking, gone}) watch.add(call);
+  watch.check(now, 5s);
+  EXPECT_EQ(thinking->waited, 0s);
+  EXPECT_EQ(gone->waited, 61min);
 }
 
 TEST(StallWatch, ForgetsCallsThatEnded) {
