@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/plan/brick/kept_bricks.h"
+#include "server/meshing/shared_chunk.h"
 #include "server/streams/chunk_stream.h"
 #include "server/streams/frame_leaves.h"
 #include "server/streams/grid_charge.h"
