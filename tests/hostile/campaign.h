@@ -14,10 +14,18 @@
 
 namespace tet::test {
 
-/// What a mutant is put through; ok when it was accepted.
-using Trial = std::function<absl::Status(const Mutant&)>;
+/// What mutants are put through.
+struct Trial {
+  std::function<absl::Status(const Mutant&)> run;  ///< ok when it was accepted
+  /// The processor time that those have used who read mutants, seconds: what else the machine
+  /// does changes little of it.
+  std::function<double()> used;
+};
 
-/// What takes as long beside other trials may be slow, or have had little of the processors.
+/// Of this process.
+double processor_seconds();
+
+/// What takes as long beside other trials may be slow, or they are.
 inline constexpr double kSlowSeconds = 1;
 
 /// Counts and the slowest of a campaign.
@@ -26,7 +34,7 @@ struct CampaignResult {
   std::uint64_t mutants = 0;
   std::uint64_t unlike_seed = 0;       ///< mutants that differ from their seed at all
   std::uint64_t accepted_changed = 0;  ///< those of them that were accepted
-  double seconds = 0;                  ///< of the trials, without making mutants
+  double seconds = 0;                  ///< of processors, in the trials
   double slowest_seconds = 0;
   std::uint64_t slowest = 0;        ///< the mutant that took it
   std::vector<std::uint64_t> slow;  ///< mutants that took longer than kSlowSeconds

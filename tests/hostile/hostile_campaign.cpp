@@ -75,7 +75,8 @@ int run(const Options& options) {
     if (!options.keep_accepted.empty()) keep(options.keep_accepted, index, mutant);
   };
   const tet::test::CampaignResult result =
-      run_campaign(mutator, {options.first, options.mutants}, trial, accepted, std::cout);
+      run_campaign(mutator, {options.first, options.mutants},
+                   {trial, tet::test::processor_seconds}, accepted, std::cout);
   print_result(result, std::cout);
   return result.unexpected == 0 ? 0 : 1;
 }

@@ -48,7 +48,7 @@ TEST(Campaign, FindsNothingThatHarmsTheWalker) {
   const Mutator mutator(seed_files(), 20261121);
   std::ostringstream log;
   const CampaignResult result = run_campaign(
-      mutator, {0, 4000}, walk, [](std::uint64_t, const Mutant&) {}, log);
+      mutator, {0, 4000}, {walk, processor_seconds}, [](std::uint64_t, const Mutant&) {}, log);
   EXPECT_EQ(result.unexpected, 0U) << log.str();
   EXPECT_LT(result.slowest_seconds, 2) << "mutant " << result.slowest;
   EXPECT_GT(result.outcomes.at(absl::StatusCode::kInvalidArgument), 2000U);

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <spawn.h>
+#include <sstream>
 #include <sys/wait.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -37,6 +39,31 @@ std::string wait_for_port(const std::string& path) {
   std::string port;
   eventually([&] { return static_cast<bool>(std::ifstream(path) >> port); });
   return port;
+}
+
+/// Of a process, of what it has waited for, and of its children that run; see proc(5).
+double processor_seconds_of(const std::string& pid) {
+  constexpr int kBeforeTimes = 11, kTimes = 4;  // after the name, which ends with a parenthesis
+  std::string line;
+  std::getline(std::ifstream("/proc/" + pid + "/stat"), line);
+  const std::size_t name_end = line.rfind(')');
+  if (name_end == std::string::npos) return 0;  // it has ended
+  std::istringstream fields(line.substr(name_end + 1));
+  std::string skipped;
+  for (int i = 0; i < kBeforeTimes; ++i) fields >> skipped;
+  double seconds = 0;
+  for (int i = 0; i < kTimes; ++i) {
+    double ticks = 0;
+    fields >> ticks;
+    seconds += ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
+  }
+  std::error_code ended;
+  for (const auto& thread :
+       std::filesystem::directory_iterator("/proc/" + pid + "/task", ended)) {
+    std::ifstream children(thread.path() / "children");
+    for (std::string child; children >> child;) seconds += processor_seconds_of(child);
+  }
+  return seconds;
 }
 
 }  // namespace
@@ -72,6 +99,10 @@ ServerProcess::~ServerProcess() {
 bool ServerProcess::alive() {
   if (pid_ >= 0 && ::waitpid(pid_, nullptr, WNOHANG) != 0) pid_ = -1;
   return pid_ >= 0;
+}
+
+double ServerProcess::processor_seconds() const {
+  return processor_seconds_of(std::to_string(pid_));
 }
 
 std::uint64_t ServerProcess::peak_resident_bytes() const {

@@ -24,6 +24,8 @@ class ServerProcess {
 
   const std::string& address() const { return address_; }
   bool alive();
+  /// The processor time that it has used, and its decoders have, seconds.
+  double processor_seconds() const;
   /// The most memory it ever had at once, bytes.
   std::uint64_t peak_resident_bytes() const;
   /// Asks it to stop. True when it did, as it should.

@@ -4,9 +4,10 @@
 //                    [--folder DIR] [--server PROGRAM] [--max-seconds S] [--max-bytes B]
 //
 // Each file is uploaded, looked into and meshed. Fails with exit code 1 when one was neither
-// meshed nor refused as hostile files are, when a trial took longer than --max-seconds (those
-// that were slow beside others are tried again alone, and count as that), when the server had
-// more memory than --max-bytes, when it died, or when it no longer meshes a good file.
+// meshed nor refused as hostile files are, when a trial took the server and its decoders more
+// than --max-seconds of processors (those that were slow beside others are tried again alone,
+// and count as that), when the server had more memory than --max-bytes, when it died, or when
+// it no longer meshes a good file.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -55,7 +56,7 @@ constexpr std::chrono::seconds kPatienceBesideOthers{60};
 /// Mutants [first, first + mutants), shared out to clients.
 CampaignResult attack(const Mutator& mutator,
                       const Options& options,
-                      const std::string& address) {
+                      const ServerProcess& server) {
   CampaignResult total;
   std::mutex mutex;
   std::atomic<std::uint64_t> done = 0;
@@ -64,14 +65,15 @@ CampaignResult attack(const Mutator& mutator,
     const std::uint64_t begin = options.mutants * c / options.clients;
     const std::uint64_t end = options.mutants * (c + 1) / options.clients;
     clients.emplace_back([&, begin, end] {
-      ServiceTrial service(address, kPatienceBesideOthers);
+      ServiceTrial service(server.address(), kPatienceBesideOthers);
       std::ostringstream log;
       const CampaignResult result = run_campaign(
           mutator, {options.first + begin, end - begin},
-          [&](const Mutant& mutant) {
-            if (const auto now = ++done; now % kToldEach == 0) std::cout << now << std::endl;
-            return service.run(mutant.bytes);
-          },
+          {[&](const Mutant& mutant) {
+             if (const auto now = ++done; now % kToldEach == 0) std::cout << now << std::endl;
+             return service.run(mutant.bytes);
+           },
+           [&] { return server.processor_seconds(); }},
           [](std::uint64_t, const Mutant&) {}, log);
       const std::lock_guard lock(mutex);
       total.add(result);
@@ -85,26 +87,28 @@ CampaignResult attack(const Mutator& mutator,
 /// One after the other, with the server for themselves.
 CampaignResult attack_alone(const Mutator& mutator,
                             const std::vector<std::uint64_t>& mutants,
-                            const std::string& address) {
-  ServiceTrial service(address);
+                            const ServerProcess& server) {
+  ServiceTrial service(server.address());
   CampaignResult total;
   for (const std::uint64_t i : mutants) {
-    total.add(run_trial(
-        i, mutator.mutant(i), [&](const Mutant& mutant) { return service.run(mutant.bytes); },
-        std::cout));
+    total.add(run_trial(i, mutator.mutant(i),
+                        {[&](const Mutant& mutant) { return service.run(mutant.bytes); },
+                         [&] { return server.processor_seconds(); }},
+                        std::cout));
   }
   std::cout << absl::StrFormat(
-      "%10d  of them took longer than %g s; alone the slowest took %.3f ms (mutant %d)\n",
+      "%10d  of them took longer than %g s of processors; alone the slowest took %.3f ms "
+      "(mutant %d)\n",
       total.mutants, kSlowSeconds, total.slowest_seconds * 1e3, total.slowest);
   return total;
 }
 
 /// All of them at once, then the slow ones again.
-CampaignResult attack_with_mutants(const Options& options, const std::string& address) {
+CampaignResult attack_with_mutants(const Options& options, const ServerProcess& server) {
   const Mutator mutator(seed_files(), options.seed);
-  CampaignResult result = attack(mutator, options, address);
+  CampaignResult result = attack(mutator, options, server);
   print_result(result, std::cout);
-  const CampaignResult alone = attack_alone(mutator, result.slow, address);
+  const CampaignResult alone = attack_alone(mutator, result.slow, server);
   result.unexpected += alone.unexpected;
   if (alone.mutants > 0) result.slowest_seconds = alone.slowest_seconds;
   return result;
@@ -116,24 +120,24 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 /// Every file of a folder, one after the other, each with its outcome.
-CampaignResult attack_with_files(const std::string& folder, const std::string& address) {
+CampaignResult attack_with_files(const std::string& folder, const ServerProcess& server) {
   std::vector<SeedFile> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".vdb") continue;
     files.push_back({entry.path().filename(), read_file(entry.path()), {}, {}});
   }
   std::ranges::sort(files, {}, &SeedFile::name);
-  ServiceTrial service(address);
+  ServiceTrial service(server.address());
   CampaignResult total;
   for (const SeedFile& file : files) {
-    total.add(run_trial(
-        total.mutants, {file.bytes, true, file.name},
-        [&](const Mutant& mutant) {
-          const absl::Status status = service.run(mutant.bytes);
-          std::cout << file.name << ": " << status << '\n';
-          return status;
-        },
-        std::cout));
+    total.add(run_trial(total.mutants, {file.bytes, true, file.name},
+                        {[&](const Mutant& mutant) {
+                           const absl::Status status = service.run(mutant.bytes);
+                           std::cout << file.name << ": " << status << '\n';
+                           return status;
+                         },
+                         [&] { return server.processor_seconds(); }},
+                        std::cout));
   }
   print_result(total, std::cout);
   return total;
@@ -166,8 +170,8 @@ int run(const Options& options) {
     return 1;
   }
   const CampaignResult result = options.files.empty()
-                                    ? attack_with_mutants(options, server->address())
-                                    : attack_with_files(options.files, server->address());
+                                    ? attack_with_mutants(options, *server)
+                                    : attack_with_files(options.files, *server);
   const int code = verdict(result, options, *server);
   if (code == 0) std::filesystem::remove_all(options.folder);
   return code;
@@ -188,7 +192,7 @@ int main(int argc, char** argv) {
                  "for the server's store and log; gone if all is well");
   app.add_option("--server", options.server, "the tetstreamd to attack")
       ->check(CLI::ExistingFile);
-  app.add_option("--max-seconds", options.max_seconds, "of one file");
+  app.add_option("--max-seconds", options.max_seconds, "of processors for one file");
   app.add_option("--max-bytes", options.max_bytes, "of the server's memory")
       ->transform(CLI::AsSizeValue(false));
   CLI11_PARSE(app, argc, argv);
