@@ -37,7 +37,7 @@ class Backups(FaultTest):
         for number in itertools.count():
             if stop.is_set():
                 return
-            said = self.submit(server, self.another_grid(number))
+            said = self.submit(server, self.another_grid(number), "--max-attempts", "100")
             if said.returncode == 0:
                 acknowledged.append(json.loads(said.stdout)["name"])
 

@@ -58,7 +58,7 @@ class SeveralServers(FaultTest):
 
     def submit(self, grid, *options, servers=None):
         said = self.said(self.client(
-            "job", "submit", grid, "--json", "--skip-cache", "--journal",
+            "job", "submit", grid, "--json", "--skip-cache", "--max-attempts", "100", "--journal",
             self.folder / os.urandom(8).hex(), *options, servers=servers))
         return json.loads(said)["name"]
 
@@ -131,7 +131,7 @@ class SeveralServers(FaultTest):
 
     def test_jobs_of_a_server_that_was_killed_are_made_by_the_other(self):
         one, other = self.start_both("--job-workers", "1")
-        jobs = [self.submit(self.inputs / "torus.vdb", "--max-attempts", "100", servers=server.address)
+        jobs = [self.submit(self.inputs / "torus.vdb", servers=server.address)
                 for server in (one, other) for _ in range(4)]
 
         def is_at_work():
@@ -237,7 +237,7 @@ class SeveralServers(FaultTest):
 
         def submit():
             while not stop.wait(0.3):  # all are made in the end, each by itself
-                jobs.append(self.submit(self.inputs / "sphere.vdb", "--max-attempts", "100"))
+                jobs.append(self.submit(self.inputs / "sphere.vdb"))
 
         clients = [threading.Thread(target=stream, args=(self.both,)),
                    threading.Thread(target=stream, args=(",".join(self.addresses[::-1]),)),

@@ -33,8 +33,8 @@ class UnfitWorkers(FaultTest):
     def job(self, command, *arguments):
         return self.server.tetstream("job", command, *arguments)
 
-    def submit(self, *options):
-        said = self.job("submit", self.inputs / "sphere.vdb", "--json", "--max-attempts", "1",
+    def submit(self, *options, attempts="1"):
+        said = self.job("submit", self.inputs / "sphere.vdb", "--json", "--max-attempts", attempts,
                         "--skip-cache", "--journal", self.folder / os.urandom(8).hex(), *options)
         self.assertEqual(said.returncode, 0, said.stderr)
         return json.loads(said.stdout)["name"]
@@ -157,7 +157,7 @@ class UnfitWorkers(FaultTest):
     def test_a_job_of_another_version_is_left_to_its_workers_while_there_are_any(self):
         """What a version 4 left over an upgrade, by its rows: its programs are not there to make them."""
         worker = self.start_worker()
-        job = self.submit("--spacing", "0.02")
+        job = self.submit("--spacing", "0.02", attempts="100")  # leases of few seconds may be lost
         wait_until(lambda: self.show(job)["progress"]["done_shards"] > 0
                    and self.show(job)["progress"]["chunk_count"] > 0)
         worker.close()
@@ -170,7 +170,7 @@ class UnfitWorkers(FaultTest):
             "INSERT INTO workers SELECT 'old', '4', '', "
             "(extract(epoch FROM clock_timestamp()) * 1000000)::bigint")
         worker = self.start_worker(None, "--job-lease-seconds", "3")  # looks for them each second
-        other = self.submit()  # the worker does it, and so has looked at what there was before it
+        other = self.submit(attempts="100")  # the worker does it, and so has looked at what there was before it
         waited = self.job("wait", other)
         self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)
         self.assertEqual(self.show(job)["replans"], 0)

@@ -76,7 +76,6 @@ class Run {
     const int radius = kRadii[between(0, std::ssize(kRadii) - 1)];
     v1::Job job = server_.ball(radius);
     job.set_skip_cache(between(0, 1) == 1);
-    job.set_max_attempts(100);
     const v1::Job made = server_.create(job, absl::StrCat("job ", jobs_.size()));
     if (!server_.status.ok()) throw std::runtime_error(server_.status.error_message());
     jobs_.emplace_back(made, radius);

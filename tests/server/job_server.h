@@ -24,6 +24,8 @@ namespace tet::test {
 
 namespace v1 = ::tetstream::v1;
 
+constexpr int kMostAttempts = 100;
+
 /// One store, and a server that may be started on it again and again. Calls leave how they
 /// ended in `status`.
 class JobServer {
@@ -31,7 +33,7 @@ class JobServer {
   explicit JobServer(std::string program) : program_(std::move(program)) {}
 
   /// A server that was running is killed first. Leases are of one second unless `options` say
-  /// otherwise.
+  /// otherwise, so that what a killed worker held is soon another's.
   void start(const std::vector<std::string>& options = {}) {
     kill();
     const std::string port_file = folder.file("port");
@@ -77,11 +79,14 @@ class JobServer {
     client = *MeshClient::connect(address_, options);
   }
 
+  /// With as many attempts as may be, unless the job says how many: a worker that gets no
+  /// processor for a second loses its leases, and is not to blame.
   v1::Job create(const v1::Job& job, const std::string& request_id = "") {
     grpc::ClientContext context;
     authorize(context);
     v1::CreateJobRequest request;
     *request.mutable_job() = job;
+    if (!job.has_max_attempts()) request.mutable_job()->set_max_attempts(kMostAttempts);
     request.set_request_id(request_id);
     v1::Job created;
     status = jobs->CreateJob(&context, request, &created);

@@ -109,7 +109,7 @@ TEST_F(StoredResults, MakesTheDamagedChunksOfAStreamThatIsResumed) {
 }
 
 TEST_F(StoredResults, EvictsNoMeshThatIsBeingRead) {
-  server_.start({"--result-bytes", std::to_string(30 << 20)});
+  server_.start({"--result-bytes", std::to_string(30 << 20), "--job-lease-seconds", "600"});
   const v1::Job large = server_.create(server_.ball(32));  // 29 MB
   ASSERT_EQ(server_.wait(large).state(), v1::JOB_STATE_SUCCEEDED);
   grpc::ClientContext context;
