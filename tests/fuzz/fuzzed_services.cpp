@@ -33,6 +33,13 @@ namespace v1 = ::tetstream::v1;
 constexpr std::chrono::seconds kGenerous{60};
 constexpr int kEdge = 12;
 
+// A fuzzer's inputs are soon given up; first inputs are answered, however slow the machine is.
+#ifdef TET_LIBFUZZER
+constexpr std::uint64_t kPatienceSeconds = 1;
+#else
+constexpr std::uint64_t kPatienceSeconds = 60;
+#endif
+
 /// A method that is added is driven, or this fails.
 void check_methods() {
   std::size_t methods = 0;
@@ -203,8 +210,8 @@ void Services::start() {
   config.threads = 2;
   config.job_workers = 1;
   config.decoders = 1;
-  config.decode_seconds = config.plan_seconds = config.queue_seconds = 1;
-  config.session_idle_seconds = config.stall_seconds = 1;
+  config.decode_seconds = config.plan_seconds = config.queue_seconds = kPatienceSeconds;
+  config.session_idle_seconds = config.stall_seconds = kPatienceSeconds;
   config.resident_bytes = config.plan_bytes = std::uint64_t{32} << 20;
   config.send_bytes = config.receive_bytes = std::uint64_t{16} << 20;
   config.store_bytes = config.result_bytes = std::uint64_t{64} << 20;

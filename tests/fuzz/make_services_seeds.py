@@ -68,7 +68,7 @@ SEEDS = {
         ("SamplePoints", [f'start {{ {BALL} }}', f'points {{ positions: "{POINTS}" }}'])],
     "jobs": [
         ("CreateJob", [JOB + '} request_id: "r"']),
-        ("WaitJob", ['name: "@job0" timeout { seconds: 1 }']),
+        ("WaitJob", ['name: "@job0" timeout { seconds: 60 }']),
         ("GetJob", ['name: "@job0"']),
         ("ListJobs", ['filter { states: [JOB_STATE_SUCCEEDED] labels { key: "k" value: "v" } '
                       'display_name_prefix: "o" created_from { seconds: 1 } } page_size: 1']),
