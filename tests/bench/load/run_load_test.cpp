@@ -115,10 +115,10 @@ TEST(RunLoad, HoldsBackWhatIsOverTheOutstandingAndCountsItsWaitAll) {
 }
 
 TEST(RunLoad, ShowsWhatAClosedLoopHides) {
-  StandIn service({.service_time = 1ms, .stall_after = 200ms, .stall = 300ms});
+  StandIn service({.service_time = 1ms, .stall = 300ms, .stall_with = 1});
   const LoadResult result = run(back_to_back(1, 0.7), service);
   const std::vector<StandIn::Served> served = service.served();
-  // One request of a few hundred met the stall.
+  // One request of all those that were sent met the stall.
   EXPECT_EQ(std::count_if(served.begin(), served.end(),
                           [](const StandIn::Served& request) { return request.stalled; }),
             1);

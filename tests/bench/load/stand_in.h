@@ -25,6 +25,7 @@ class StandIn final : public RequestSender {
     Nanoseconds service_time{std::chrono::milliseconds(1)};
     /// Counted from when the first request was due.
     Nanoseconds stall_after{std::chrono::hours(1)}, stall{0};
+    std::size_t stall_with = 0;  ///< it begins with this request, from 1, in place of then
     std::size_t max_waiting = 1000000;  ///< more are refused at once
     bool by_schedule = false;
   };
@@ -49,8 +50,9 @@ class StandIn final : public RequestSender {
 
   void send(const LoadRequest& request, Done done) override {
     const std::lock_guard lock(mutex_);
-    if (++sent_ == 1) stall_from_ = request.intended + behaviour_.stall_after;
     const TimePoint arrived = behaviour_.by_schedule ? request.intended : Clock::now();
+    if (++sent_ == 1) stall_from_ = request.intended + behaviour_.stall_after;
+    if (sent_ == behaviour_.stall_with) stall_from_ = arrived;
     waiting_.push_back({request, std::move(done), arrived, sent_});
     changed_.notify_all();
   }
