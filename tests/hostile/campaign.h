@@ -22,7 +22,7 @@ struct Trial {
   std::function<double()> used;
 };
 
-/// Of this process.
+/// What this process has used.
 double processor_seconds();
 
 /// What takes as long beside other trials may be slow, or they are.

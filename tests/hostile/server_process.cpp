@@ -41,7 +41,8 @@ std::string wait_for_port(const std::string& path) {
   return port;
 }
 
-/// Of a process, of what it has waited for, and of its children that run; see proc(5).
+/// What a process has used, those that it has waited for, and its children that run; see
+/// proc(5).
 double processor_seconds_of(const std::string& pid) {
   constexpr int kBeforeTimes = 11, kTimes = 4;  // after the name, which ends with a parenthesis
   std::string line;
