@@ -110,14 +110,29 @@ absl::StatusOr<Decoder> Decoder::start(const DecoderProgram& program) {
 absl::StatusOr<Decoder> Decoder::copy(const std::function<bool()>& cancelled) {
   absl::StatusOr<SocketPair> sockets = make_sockets();
   if (!sockets.ok()) return sockets.status();
-  if (!send_copy_wish(socket_.number(), sockets->theirs.number())) return gone();
+  if (!send_copy_wish(socket_.number(), sockets->theirs.number())) {
+    end_with_copies();
+    return gone();
+  }
   sockets->theirs.close();
   const Event event = wait(Clock::now() + kStartTime, cancelled);
-  if (event == Event::kCancelled) return absl::CancelledError("cancelled");
   const std::optional<pid_t> pid =
       event == Event::kMessage ? receive_copied(socket_.number()) : std::nullopt;
-  if (!pid) return gone();
-  return watch(*pid, std::move(sockets->ours));
+  if (pid) return watch(*pid, std::move(sockets->ours));
+  end_with_copies();
+  if (event == Event::kCancelled) return absl::CancelledError("cancelled");
+  return gone();
+}
+
+/// There may be a copy that nobody has been told of. It is a child of this process, too, and in
+/// the group that this one has led since it was started.
+void Decoder::end_with_copies() {
+  if (!process_.is_open()) return;  // its number may be another's
+  ::kill(-pid_, SIGKILL);
+  siginfo_t how{};
+  while (::waitid(P_PGID, static_cast<id_t>(pid_), &how, WEXITED) == 0 || errno == EINTR) {
+  }
+  process_.close();
 }
 
 /// Takes over a child of this thread.

@@ -38,7 +38,7 @@ class Decoder {
 
   /// Has it become two, and does not wait until the copy is ready. This one must be ready, must
   /// have no order yet, and can be copied again. Call it on the thread that started it. Errors:
-  /// kUnavailable (it is gone), kCancelled.
+  /// kUnavailable (it is gone), kCancelled; after either nothing is left of it or its copies.
   absl::StatusOr<Decoder> copy(const std::function<bool()>& cancelled);
 
   /// Kills the process and waits until nothing of it is left.
@@ -67,6 +67,7 @@ class Decoder {
   Event wait(std::chrono::steady_clock::time_point deadline,
              const std::function<bool()>& cancelled) const;
   absl::Status explain_death(const DecodeOrder& order, const std::function<bool()>& cancelled);
+  void end_with_copies();
 
   pid_t pid_;
   Descriptor process_;  ///< a pidfd; closed once the process is reaped

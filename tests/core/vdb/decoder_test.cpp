@@ -197,6 +197,25 @@ TEST_F(DecoderTest, LeavesNoProcessBehind) {
   EXPECT_EQ(::kill(pid, 0), -1);  // not even as a zombie
 }
 
+// It is asked to copy itself, and given up, or ends, when the copy is there and before it is
+// told of.
+TEST_F(DecoderTest, LeavesNoCopyBehindThatNobodyWasToldOf) {
+  for (const char* const deed : {"silent", "gone"}) {
+    const std::string program = hostile(deed);
+    absl::StatusOr<Decoder> original = Decoder::start({program, {}});
+    ASSERT_TRUE(original.ok()) << original.status();
+    ASSERT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
+    const bool cancels = std::string_view(deed) == "silent";
+    const absl::Status status =
+        original->copy([&] { return cancels && test::hangs(program); }).status();
+    EXPECT_TRUE(cancels ? absl::IsCancelled(status) : absl::IsUnavailable(status)) << status;
+    const pid_t copy = test::hanging_decoder(program);
+    ASSERT_NE(copy, 0);
+    for (const pid_t pid : {copy, original->pid()}) EXPECT_EQ(::kill(pid, 0), -1) << deed;
+    EXPECT_TRUE(absl::IsUnavailable(original->copy(nullptr).status()));
+  }
+}
+
 TEST_F(DecoderTest, EndsWithTheThreadThatStartedIt) {
   std::optional<absl::StatusOr<Decoder>> decoder;
   std::thread([&] {

@@ -13,10 +13,19 @@ namespace tet::test {
 /// What is appended to the program's name.
 constexpr char kHangs[] = ".hangs";
 
+/// Whether a process of this program hangs, and which.
+inline bool hangs(const std::string& program, pid_t& pid) {
+  return static_cast<bool>(std::ifstream(program + kHangs) >> pid);
+}
+inline bool hangs(const std::string& program) {
+  pid_t pid = 0;
+  return hangs(program, pid);
+}
+
 /// The process of this program that comes to hang over an order; 0 if none does.
 inline pid_t hanging_decoder(const std::string& program) {
   pid_t pid = 0;
-  eventually([&] { return static_cast<bool>(std::ifstream(program + kHangs) >> pid); });
+  eventually([&] { return hangs(program, pid); });
   return pid;
 }
 

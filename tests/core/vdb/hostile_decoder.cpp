@@ -17,6 +17,7 @@
 #include <sys/syscall.h>
 #include <thread>
 #include <unistd.h>
+#include <variant>
 #include <vector>
 
 #include "core/base/failure_name.h"
@@ -59,6 +60,20 @@ std::string g_program;
 [[noreturn]] void hang() {
   std::ofstream(g_program + test::kHangs) << ::getpid() << "\n";
   sleep_for_ever();
+}
+
+/// Becomes two as a decoder does, and tells nobody of the copy, which hangs.
+[[noreturn]] void copy_in_silence(bool ends) {
+  ReceivedWish wish = receive_wish(kDecoderSocket);
+  const auto* const copy = std::get_if<ReceivedCopyWish>(&wish);
+  if (copy == nullptr) ::_exit(9);
+  if (::syscall(SYS_clone, CLONE_PARENT | SIGCHLD, 0, 0, 0, 0) == 0) {
+    if (::dup2(copy->socket.number(), kDecoderSocket) < 0 || !enter_custody().ok()) ::_exit(9);
+    hang();
+  }
+  if (!ends) sleep_for_ever();
+  test::hanging_decoder(g_program);
+  ::_exit(0);
 }
 
 [[noreturn]] void crash() {
@@ -219,6 +234,7 @@ int main(int, char** argv) {
   tet::g_program = name;
   tet::prepare_to_carry_out();
   tet::send_ready(tet::kDecoderSocket);
+  if (deed == "silent" || deed == "gone") tet::copy_in_silence(deed == "gone");
   const auto received = tet::await_order(tet::kDecoderSocket);
   if (received) tet::act(deed, {*received});
   return 0;
