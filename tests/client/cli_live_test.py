@@ -243,7 +243,7 @@ class OnAServer(ServerTest):
             [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb",
              "-o", self.out / "m.vtu", "--levels", "0", "--server", link.address],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        wait_until(lambda: sum(link.from_server) >= 1 << 20)
+        self.assertTrue(link.held.wait(GENEROUS_END))
         wait_until(lambda: self.sample("tetstream_sent_chunks_total") > sent)
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=GENEROUS_END)

@@ -4,14 +4,13 @@
 """
 
 import pathlib
-import signal
 import subprocess
 import threading
-import time
 import unittest
 
 from fault_case import (
     GENEROUS_END, FaultTest, RunningServer, binaries, unused_port, wait_until)
+from cutting_link import CuttingLink
 
 
 class Clients:
@@ -122,21 +121,14 @@ class Shutdown(FaultTest):
         servers = [RunningServer(self.folder / name, "--drain-seconds", "0") for name in "ab"]
         for server in servers:
             self.addCleanup(server.close)
-        client = self.long_mesh(",".join(server.address for server in servers))
+        link = CuttingLink(servers[0].address, holds_after=2 << 20)  # some chunks, and not all
+        self.addCleanup(link.close)
+        client = self.long_mesh(f"{link.address},{servers[1].address}")
         self.addCleanup(client.kill)
-        wait_until(lambda: servers[0].samples()["tetstream_meshes_running"] > 0)
-
-        def has_chunks():
-            """Lets the client work for a moment, or all would be sent before we look again."""
-            client.send_signal(signal.SIGCONT)
-            time.sleep(0.005)
-            client.send_signal(signal.SIGSTOP)
-            return servers[0].samples()["tetstream_sent_chunks_total"] > 2
-
-        client.send_signal(signal.SIGSTOP)
-        wait_until(has_chunks)
+        self.assertTrue(link.held.wait(GENEROUS_END))
+        self.assertGreater(servers[0].samples()["tetstream_sent_chunks_total"], 2)
         self.assertEqual(servers[0].terminate(), 0)  # though its client takes nothing
-        client.send_signal(signal.SIGCONT)
+        link.go_on()
         _, errors = client.communicate(timeout=GENEROUS_END)
         self.assertEqual(client.returncode, 0, errors)
         ended = [line for line in servers[0].log("call") if line["method"] == "StreamMesh"]

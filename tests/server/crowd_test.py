@@ -19,6 +19,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "client"))
 from command_case import (
     GENEROUS_END, CommandTest, binaries, processor_seconds, samples_of, unused_port, wait_until)
+from cutting_link import CuttingLink
 from raw_http2 import RawCall, double_field, field, message
 
 STREAM = "/tetstream.v1.MeshService/StreamMesh"
@@ -117,7 +118,7 @@ class CrowdTest(CommandTest):
                               capture_output=True, text=True, timeout=GENEROUS_END)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def mesh_command(self, server, name, spacing):
+    def mesh_command(self, server, name, spacing):  # a Server, or what else has its address
         return [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb", "--server",
                 server.address, "-o", self.out / name, "--levels", "0",
                 "--spacing", str(spacing)]
@@ -151,13 +152,16 @@ class Readers(CrowdTest):
     def test_a_client_that_was_stopped_resumes_when_it_goes_on(self):
         server = Server(self, stall_seconds=1, keepalive_seconds=1)
         self.mesh(server, "whole.vtu")
-        client = subprocess.Popen(self.mesh_command(server, "resumed.vtu", self.spacing),
+        link = CuttingLink(server.address, holds_after=MIB)  # of 30, which no socket holds
+        self.addCleanup(link.close)
+        client = subprocess.Popen(self.mesh_command(link, "resumed.vtu", self.spacing),
                                   stderr=subprocess.PIPE)
         self.addCleanup(client.kill)
-        wait_until(lambda: server.streams() == 1)
+        self.assertTrue(link.held.wait(GENEROUS_END))
         client.send_signal(signal.SIGSTOP)
         wait_until(lambda: server.streams() == 0)
         client.send_signal(signal.SIGCONT)
+        link.go_on()
         _, errors = client.communicate(timeout=GENEROUS_END)
         self.assertEqual(client.returncode, 0, errors)
         self.assertEqual((self.out / "whole.vtu").read_bytes(),

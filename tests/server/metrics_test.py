@@ -17,6 +17,7 @@ import urllib.request
 
 from running_server import (
     GENEROUS_END, RunningServer, binaries, fetch, unused_port, wait_until)
+from cutting_link import CuttingLink
 
 
 class ServerTest(unittest.TestCase):
@@ -246,11 +247,14 @@ class Draining(ServerTest):
 
     def test_says_so_before_it_goes_and_goes_on_answering(self):
         self.assertEqual(fetch(self.server.metrics, "/readyz"), (200, "ok\n"))
+        link = CuttingLink(self.server.address, holds_after=1 << 20)  # so that it cannot end before
+        self.addCleanup(link.close)
         with subprocess.Popen(
                 [binaries() / "tetstream", "mesh", self.ball, "-o", self.folder / "long.vtu",
-                 "--spacing", "0.004", "--levels", "0", "--server", self.server.address],
+                 "--spacing", "0.015", "--levels", "0", "--server", link.address],
                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as stream:
-            wait_until(lambda: self.server.samples()["tetstream_meshes_running"] == 1)
+            self.assertTrue(link.held.wait(GENEROUS_END))
+            self.assertEqual(self.server.samples()["tetstream_meshes_running"], 1)
             self.server.process.send_signal(signal.SIGTERM)
             wait_until(lambda: self.server.log("draining"))
             self.assertEqual(fetch(self.server.metrics, "/readyz"), (503, "not ready\n"))

@@ -16,6 +16,7 @@ import unittest
 
 from h2_attacks import ATTACKS, PREFACE, Attacker
 from running_server import GENEROUS_END, RunningServer, binaries, unused_port, wait_until
+from cutting_link import CuttingLink
 
 CONFIGURATION = pathlib.Path(__file__).parents[2] / "docker" / "haproxy.cfg"
 ATTACK_SECONDS = 1
@@ -121,13 +122,16 @@ class ProxyAttack(BehindAProxy):
         self.assertTrue(self.hangs_up(half_a_preface))
 
     def test_a_client_that_does_not_read_stops_only_itself(self):
+        link = CuttingLink(self.address, holds_after=1 << 20)  # so that it cannot end before
+        self.addCleanup(link.close)
         slow = subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.grid, "-o", self.folder / "slow.vtu",
-             "--spacing", "0.006", "--levels", "0", "--server", self.address],
+             "--spacing", "0.015", "--levels", "0", "--server", link.address],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(slow.wait)
         self.addCleanup(slow.kill)
-        wait_until(lambda: self.server.samples()["tetstream_meshes_running"] > 0)
+        self.assertTrue(link.held.wait(GENEROUS_END))
+        self.assertGreater(self.server.samples()["tetstream_meshes_running"], 0)
         slow.send_signal(signal.SIGSTOP)
         for _ in range(3):
             result = self.mesh()

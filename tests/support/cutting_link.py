@@ -6,20 +6,23 @@ import threading
 
 class CuttingLink:
     """Passes bytes on to `address` and back. Each number of `cuts` is after how many bytes from the
-    server one connection breaks; those that come later do not. Once a connection has brought `holds_after` bytes, it
-    brings no more and stays open."""
+    server one connection breaks; those that come later do not. Once a connection has brought `holds_after` bytes,
+    `held` is set, and it brings no more and stays open until `go_on()`."""
 
     def __init__(self, address, cuts=(), holds_after=None):
         host, port = address.split(":")
         self.target, self.cuts = (host, int(port)), list(cuts)
-        self.holds_after, self.closed = holds_after, threading.Event()
+        self.holds_after, self.held, self.goes_on = holds_after, threading.Event(), threading.Event()
         self.from_server = []  # bytes, of each connection
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"127.0.0.1:{self.listener.getsockname()[1]}"
         threading.Thread(target=self.accept, daemon=True).start()
 
+    def go_on(self):
+        self.goes_on.set()
+
     def close(self):
-        self.closed.set()
+        self.go_on()
         self.listener.close()
 
     def accept(self):
@@ -28,7 +31,11 @@ class CuttingLink:
                 client, _ = self.listener.accept()
             except OSError:
                 return
-            server = socket.create_connection(self.target)
+            try:
+                server = socket.create_connection(self.target)
+            except OSError:
+                client.close()
+                continue
             limit = self.cuts.pop(0) if self.cuts else None
             index = len(self.from_server)
             self.from_server.append(0)
@@ -53,7 +60,8 @@ class CuttingLink:
                 if limit is not None and self.from_server[index] >= limit:
                     break
                 if self.holds_after is not None and self.from_server[index] >= self.holds_after:
-                    self.closed.wait()
+                    self.held.set()
+                    self.goes_on.wait()
         except OSError:
             pass
         for end in (client, server):
