@@ -134,11 +134,17 @@ class SeveralServers(FaultTest):
         jobs = [self.submit(self.inputs / "torus.vdb", servers=server.address)
                 for server in (one, other) for _ in range(4)]
 
-        def is_at_work():
-            return self.postgres.rows("SELECT 1 FROM queue WHERE state = 1 AND worker LIKE "
-                                      f"'%:{one.process.pid}'")
+        def is_caught_at_work():
+            """Stopped, or it would be done by the time that we are told."""
+            one.process.send_signal(signal.SIGSTOP)
+            if self.postgres.rows("SELECT 1 FROM queue WHERE state = 1 AND worker LIKE "
+                                  f"'%:{one.process.pid}'"):
+                return True
+            one.process.send_signal(signal.SIGCONT)
+            jobs.append(self.submit(self.inputs / "torus.vdb", servers=one.address))
+            return False
 
-        wait_until(is_at_work)
+        wait_until(is_caught_at_work)
         one.kill()
         self.assert_made(jobs, "torus", servers=other.address)
         self.assertEqual(self.postgres.rows("SELECT id FROM jobs WHERE alarms > 0 OR state <> 3"), [])
