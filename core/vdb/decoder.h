@@ -38,7 +38,8 @@ class Decoder {
 
   /// Has it become two, and does not wait until the copy is ready. This one must be ready, must
   /// have no order yet, and can be copied again. Call it on the thread that started it. Errors:
-  /// kUnavailable (it is gone), kCancelled; after either nothing is left of it or its copies.
+  /// kUnavailable, kCancelled; after either there is no copy that was not told of, and this one
+  /// and its other copies may be gone, too.
   absl::StatusOr<Decoder> copy(const std::function<bool()>& cancelled);
 
   /// Kills the process and waits until nothing of it is left.

@@ -24,11 +24,18 @@ struct Call {
   grpc::ClientContext context;
 };
 
+/// Whether a decoder was ended over the file, by the clock or by its processor time.
+bool took_too_long(const grpc::Status& status) {
+  return status.error_details().find("DECODER_TIMEOUT") != std::string::npos;
+}
+
 absl::Status to_absl(const grpc::Status& status) {
+  if (took_too_long(status)) return absl::DeadlineExceededError(status.error_message());
   return {static_cast<absl::StatusCode>(status.error_code()), status.error_message()};
 }
 
 bool is_refusal(const grpc::Status& status) {
+  if (took_too_long(status)) return false;
   return status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
          status.error_code() == grpc::StatusCode::FAILED_PRECONDITION ||
          status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;

@@ -25,7 +25,8 @@ class ServiceTrial {
 
   /// The first failure of the three calls; ok when a whole mesh came. Its grids' values were
   /// asked for, too, at the vertices of a ball: what that was refused with is told only if no
-  /// file should be. kDeadlineExceeded when a call took longer than the client's patience.
+  /// file should be. kDeadlineExceeded when a call took longer than the client's patience, or a
+  /// decoder than its limit.
   absl::Status run(std::string_view file);
 
  private:
