@@ -183,9 +183,10 @@ class UnfitWorkers(FaultTest):
         self.postgres.rows("UPDATE jobs SET state = 2 WHERE state <> 3")
         ready = self.postgres.rows("UPDATE queue SET state = 0, attempt = 0 RETURNING number")
         self.assertGreater(len(ready), 0)
+        # Seen an hour ahead, as who is not heard of for a minute is taken for dead.
         self.postgres.rows(
             "INSERT INTO workers SELECT 'old', '4', '', "
-            "(extract(epoch FROM clock_timestamp()) * 1000000)::bigint")
+            "((extract(epoch FROM clock_timestamp()) + 3600) * 1000000)::bigint")
         worker = self.start_worker(None, "--job-lease-seconds", "3")  # looks for them each second
         other = self.submit(attempts="100")  # the worker does it, and so has looked at what there was before it
         waited = self.job("wait", other)

@@ -192,7 +192,8 @@ class Ending(CrowdTest):
 
 class HealthWatchers(CrowdTest):
     def test_crowds_of_watchers_are_counted_and_limited_and_others_go_on(self):
-        server = Server(self, max_health_watches=500)
+        # They answer no pings, and are to be there until all have come, however slowly.
+        server = Server(self, max_health_watches=500, keepalive_seconds=3600)
         self.mesh(server)
         for i in range(1500):
             self.call(server, WATCH, source=f"127.0.0.{2 + i % 20}").ask(b"")
