@@ -46,9 +46,9 @@ HttpAnswer file_answer(const RequestHead& head, const PageFile& file) {
                                                    : "no-cache");
   answer.headers.emplace_back("Vary", "Accept-Encoding");
   const bool small =
-      !file.gzipped.empty() && absl::StrContains(head.value("accept-encoding"), "gzip");
+      file.gzipped.size() > 0 && absl::StrContains(head.value("accept-encoding"), "gzip");
   if (small) answer.headers.emplace_back("Content-Encoding", "gzip");
-  answer.body = small ? file.gzipped : file.bytes;
+  answer.kept = small ? file.gzipped : file.bytes;
   return answer;
 }
 
@@ -59,8 +59,8 @@ HttpAnswer plain_page(const HttpPlace& place, const RequestHead& head) {
     const bool ready = place.ready();
     return {ready ? 200 : 503, "text/plain", ready ? "ok\n" : "not ready\n"};
   }
-  if (head.path == "/v1/openapi.json") return {200, "application/json", place.open_api};
-  if (head.path == "/v1/grpc.json") return {200, "application/json", place.grpc_place};
+  if (head.path == "/v1/openapi.json") return {200, "application/json", {}, {}, place.open_api};
+  if (head.path == "/v1/grpc.json") return {200, "application/json", {}, {}, place.grpc_place};
   if (const PageFile* file = place.page.find(head.path)) return file_answer(head, *file);
   if (head.path == "/" && place.page.empty()) {
     return {404, "text/plain", "This server was built without its page: docs/browser.md\n"};

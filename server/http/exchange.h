@@ -26,8 +26,8 @@ struct HttpPlace {
   EventLoop& loop;
   HttpGate gate;
   PageFiles page;
-  std::string open_api;
-  std::string grpc_place;  ///< JSON: see grpc_place_json
+  grpc::Slice open_api;
+  grpc::Slice grpc_place;  ///< JSON: see grpc_place_json
   std::shared_ptr<grpc::GenericStub> stub;
   std::function<std::string()> metrics;
   /// JSON, of the families of metrics whose names it is given: see MetricHistory.

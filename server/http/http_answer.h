@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <absl/strings/string_view.h>
+#include <grpcpp/support/slice.h>
 
 #include "server/http/request_head.h"
 
@@ -18,6 +19,7 @@ struct HttpAnswer {
   std::string type = "text/plain; charset=utf-8";
   std::string body;
   HttpHeaders headers = {};  ///< beside those of every answer
+  grpc::Slice kept = {};     ///< in place of `body`, where all who ask share the bytes
 };
 
 /// Returns a refusal as JSON, in the shape of error_json.

@@ -16,6 +16,8 @@ constexpr std::size_t kReadBytes = 64 << 10;
 constexpr std::size_t kPieceBytes = 512 << 10;
 // Two chunks of a mesh on their way hide what making the next one takes.
 constexpr std::size_t kRoomBytes = 512 << 10;
+// What anyone may send though others have filled the room of all: a question, as no body is.
+constexpr std::size_t kQuestionBytes = 4 << 10;
 // So that the other side reads our answer, and not that its bytes had nobody to read them.
 constexpr std::chrono::seconds kLinger{2};
 constexpr std::uint32_t kGone = EPOLLERR | EPOLLHUP;
@@ -41,6 +43,8 @@ void HttpConnection::close() {
   if (exchange_ != nullptr) exchange_->abandon();
   shared_.place.loop.forget(socket_.number());
   shared_.closed(socket_.number());
+  in_ = {};
+  account();
   // Whoever called may be one of ours.
   shared_.place.loop.post([self, exchange = std::move(exchange_)] {});
 }
@@ -49,6 +53,12 @@ std::optional<HttpConnection::Clock::time_point> HttpConnection::waiting_since()
   const bool waiting =
       state_ == State::kHandshake || state_ == State::kIdle || state_ == State::kHead;
   return waiting ? std::optional(since_) : std::nullopt;
+}
+
+std::optional<HttpConnection::Clock::time_point> HttpConnection::silent_since() const {
+  if (queued_ > 0) return last_taken_;
+  const bool sends = state_ == State::kBody || (state_ == State::kPieces && wants_piece_);
+  return sends ? std::optional(std::max(since_, last_sent_)) : std::nullopt;
 }
 
 void HttpConnection::check(Clock::time_point now) {
@@ -112,11 +122,16 @@ void HttpConnection::receive() {
     const Io io = socket_.read(in_, kReadBytes);
     if (io == Io::kClosed) return close();
     if (io != Io::kDone) return;
+    last_sent_ = Clock::now();
     if (state_ == State::kLingering) {
       in_.clear();
       continue;
     }
-    if (!account()) return refuse({503, "too many requests are being received: try again"});
+    while (!account()) {
+      if (in_.size() <= kQuestionBytes) break;
+      if (shared_.make_room(*this)) continue;
+      return refuse({503, "too many requests are being received: try again"});
+    }
     process();
   }
 }
@@ -247,9 +262,10 @@ void HttpConnection::send(HttpAnswer answer) {
   HttpHeaders headers = shared_.place.gate.headers_for(head_);
   headers.insert(headers.end(), answer.headers.begin(), answer.headers.end());
   enter(State::kAnswering, std::nullopt);
-  queue(grpc::Slice(answer_head(answer.status, answer.type, absl::StrCat(answer.body.size()),
+  const grpc::Slice body = answer.body.empty() ? answer.kept : grpc::Slice(answer.body);
+  queue(grpc::Slice(answer_head(answer.status, answer.type, absl::StrCat(body.size()),
                                 keep_alive_, headers)));
-  if (!cut && !answer.body.empty()) queue(grpc::Slice(answer.body));
+  if (!cut && body.size() > 0) queue(body);
   ended_ = true;
   flush();
 }

@@ -29,13 +29,18 @@ struct HttpLimits {
   std::chrono::seconds stall_time{60};  ///< to send a body, and to take anything of an answer
 };
 
+class HttpConnection;
+
 /// What the connections of a port have in common.
 struct HttpShared {
   HttpPlace& place;
   HttpLimits limits;
   std::function<void(int status)> refused;     ///< counts
   std::function<void(int descriptor)> closed;  ///< forgets the connection
-  std::size_t buffered = 0;                    ///< bytes of requests in all connections
+  /// Closes another connection that has bytes buffered and sends no more; false where none
+  /// does.
+  std::function<bool(const HttpConnection&)> make_room;
+  std::size_t buffered = 0;  ///< bytes of requests in all connections
 };
 
 /// All on the loop's thread.
@@ -54,7 +59,12 @@ class HttpConnection final : public AnswerStream,
   void check(Clock::time_point now);
   /// Since when it has kept us waiting for a request; none while it is being served.
   std::optional<Clock::time_point> waiting_since() const;
+  /// Since when it has sent nothing of a body, or taken nothing of an answer, that it began;
+  /// none while we are the ones who have something to do.
+  std::optional<Clock::time_point> silent_since() const;
 
+  /// Whether it has sent what was not used yet.
+  bool has_buffered() const { return !in_.empty(); }
   /// Whether an answer is on its way.
   bool is_sending() const { return queued_ > 0; }
 
@@ -116,6 +126,7 @@ class HttpConnection final : public AnswerStream,
   std::deque<Outgoing> out_;
   std::size_t queued_ = 0;              ///< bytes in it
   Clock::time_point last_taken_;        ///< when the other side last took something
+  Clock::time_point last_sent_;         ///< when it last sent something
   std::uint32_t handshake_events_ = 0;  ///< what TLS waits for
   std::uint32_t watched_ = 0;
 };

@@ -1,8 +1,10 @@
 #include "server/http/http_listener.h"
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <memory>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -73,7 +75,28 @@ absl::StatusOr<HttpListener> listen_for_http(const ListenAddress& asked) {
       absl::StrCat("cannot listen on ", asked.host, ":", asked.port, " for HTTP"));
 }
 
-AcceptedSocket accept_http(const Descriptor& listener, bool& exhausted) {
+namespace {
+
+void set_option(int socket, int level, int name, int value) {
+  ::setsockopt(socket, level, name, &value, sizeof value);
+}
+
+/// A peer that vanished without a word, as laptops do that sleep, has to be asked.
+void keep_asking(int socket, std::chrono::seconds each) {
+  constexpr int kQuestions = 3;
+  const auto seconds = static_cast<int>(each.count());
+  set_option(socket, SOL_SOCKET, SO_KEEPALIVE, 1);
+  set_option(socket, IPPROTO_TCP, TCP_KEEPIDLE,
+             std::min(seconds, 32'767));  // the kernel's most
+  set_option(socket, IPPROTO_TCP, TCP_KEEPINTVL, std::clamp(seconds / kQuestions, 1, 32'767));
+  set_option(socket, IPPROTO_TCP, TCP_KEEPCNT, kQuestions);
+}
+
+}  // namespace
+
+AcceptedSocket accept_http(const Descriptor& listener,
+                           std::chrono::seconds keepalive,
+                           bool& exhausted) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
   AcceptedSocket accepted{
@@ -83,8 +106,8 @@ AcceptedSocket accept_http(const Descriptor& listener, bool& exhausted) {
   exhausted = !accepted.descriptor.is_open() &&
               (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
   if (!accepted.descriptor.is_open()) return accepted;
-  const int yes = 1;
-  ::setsockopt(accepted.descriptor.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  set_option(accepted.descriptor.number(), IPPROTO_TCP, TCP_NODELAY, 1);
+  keep_asking(accepted.descriptor.number(), keepalive);
   accepted.peer = peer_text(address);
   return accepted;
 }

@@ -1,6 +1,7 @@
 // A listening socket of the HTTP port.
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -24,8 +25,11 @@ struct AcceptedSocket {
   std::string peer;  ///< as gRPC writes it
 };
 
-/// Takes the next connection. Without a descriptor where there is none, or, as `exhausted` then
-/// says, no room for one in this process.
-AcceptedSocket accept_http(const Descriptor& listener, bool& exhausted);
+/// Takes the next connection; the kernel asks it each `keepalive` of silence whether it is
+/// still there, and ends one that does not say so. Without a descriptor where there is none,
+/// or, as `exhausted` then says, no room for one in this process.
+AcceptedSocket accept_http(const Descriptor& listener,
+                           std::chrono::seconds keepalive,
+                           bool& exhausted);
 
 }  // namespace tet

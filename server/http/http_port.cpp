@@ -27,6 +27,8 @@ namespace {
 constexpr std::chrono::milliseconds kTick{250};
 constexpr int kMostAcceptedAtOnce = 64;
 constexpr std::chrono::seconds kGoodbye{1};
+// Who began a request or an answer and has been silent for so long may have to go, for others.
+constexpr std::chrono::seconds kSilence{1};
 
 /// Counts refusals by their status, each of which has a place of its own.
 class RefusalCounts {
@@ -69,21 +71,25 @@ HttpLimits limits_of(const Config& config) {
 }  // namespace
 
 struct HttpPort::Impl {
+  using Clock = HttpConnection::Clock;
+
   Impl(const Config& config, HttpService service, HttpListener at, PageFiles page)
       : listener(std::move(at)),
         most_connections(config.max_http_connections),
         place{loop,
               HttpGate(is_loopback(config.http_listen), config.http_origins),
               std::move(page),
-              open_api(),
-              grpc_place_json(service.grpc_address, service.tls != nullptr),
+              grpc::Slice(open_api()),
+              grpc::Slice(grpc_place_json(service.grpc_address, service.tls != nullptr)),
               stub_of(service.server),
               std::move(service.metrics),
               std::move(service.history),
               std::move(service.ready),
               !config.tokens.empty()},
+        keepalive(config.keepalive_seconds),
         shared{place, limits_of(config), [this](int status) { refused(status); },
-               [this](int descriptor) { connections.erase(descriptor); }} {
+               [this](int descriptor) { connections.erase(descriptor); },
+               [this](const HttpConnection& other) { return close_one_that_fills(other); }} {
     if (service.tls != nullptr) tls.emplace(*service.tls);
   }
   ~Impl();
@@ -92,7 +98,10 @@ struct HttpPort::Impl {
   void accept_some();
   bool accept_one();
   void admit(AcceptedSocket accepted);
+  template <class Since>
+  bool close_earliest(const Since& since, Clock::time_point end);
   bool close_one_that_waits();
+  bool close_one_that_fills(const HttpConnection& newcomer);
   std::vector<std::shared_ptr<HttpConnection>> all() const;
   void tick();
   void close_all();
@@ -103,11 +112,12 @@ struct HttpPort::Impl {
   std::optional<HttpTls> tls;
   EventLoop loop{kTick, [this] { tick(); }};
   HttpPlace place;
+  const std::chrono::seconds keepalive;
   HttpShared shared;
   std::map<int, std::shared_ptr<HttpConnection>> connections;  ///< by descriptor
   bool listening = true;
   std::promise<void>* closing = nullptr;  ///< told when all connections are closed
-  HttpConnection::Clock::time_point last_moment;
+  Clock::time_point last_moment;
   std::atomic<std::uint64_t> open{0}, accepted{0};
   RefusalCounts refusals;
   Sieve sieve;
@@ -118,7 +128,7 @@ HttpPort::Impl::~Impl() {
   loop.post([&] {
     loop.forget(listener.descriptor.number());
     closing = &closed;
-    last_moment = HttpConnection::Clock::now() + kGoodbye;
+    last_moment = Clock::now() + kGoodbye;
     close_all();
   });
   closed.get_future().wait();
@@ -127,7 +137,7 @@ HttpPort::Impl::~Impl() {
 
 /// Closes what has nothing to send, or all of it at the last moment; the ticks go on with it.
 void HttpPort::Impl::close_all() {
-  const bool last = HttpConnection::Clock::now() >= last_moment;
+  const bool last = Clock::now() >= last_moment;
   for (const auto& connection : all()) {
     if (last || !connection->is_sending()) connection->close();
   }
@@ -146,7 +156,7 @@ void HttpPort::Impl::accept_some() {
 
 bool HttpPort::Impl::accept_one() {
   bool exhausted = false;
-  AcceptedSocket next = accept_http(listener.descriptor, exhausted);
+  AcceptedSocket next = accept_http(listener.descriptor, keepalive, exhausted);
   if (next.descriptor.is_open()) {
     admit(std::move(next));
     return true;
@@ -172,17 +182,34 @@ void HttpPort::Impl::admit(AcceptedSocket next) {
   open = connections.size();
 }
 
-/// Closes the connection that has kept us waiting for the longest; false where all are served.
-bool HttpPort::Impl::close_one_that_waits() {
-  std::shared_ptr<HttpConnection> longest;
+/// Closes the connection with the earliest time, where `since` tells one before `end`.
+template <class Since>
+bool HttpPort::Impl::close_earliest(const Since& since, Clock::time_point end) {
+  std::shared_ptr<HttpConnection> earliest;
   for (const auto& [number, connection] : connections) {
-    const auto since = connection->waiting_since();
-    if (since && (longest == nullptr || *since < *longest->waiting_since())) {
-      longest = connection;
-    }
+    const std::optional<Clock::time_point> time = since(*connection);
+    if (!time || *time >= end) continue;
+    earliest = connection;
+    end = *time;
   }
-  if (longest != nullptr) longest->close();
-  return longest != nullptr;
+  if (earliest != nullptr) earliest->close();
+  return earliest != nullptr;
+}
+
+/// Closes the connection that has kept us waiting for a request for the longest; where all have
+/// sent one, the one that has been silent for the longest since. False where all are served.
+bool HttpPort::Impl::close_one_that_waits() {
+  return close_earliest([](const auto& each) { return each.waiting_since(); },
+                        Clock::time_point::max()) ||
+         close_earliest([](const auto& each) { return each.silent_since(); },
+                        Clock::now() - kSilence);
+}
+
+bool HttpPort::Impl::close_one_that_fills(const HttpConnection& newcomer) {
+  const auto since = [&](const HttpConnection& each) {
+    return &each != &newcomer && each.has_buffered() ? each.silent_since() : std::nullopt;
+  };
+  return close_earliest(since, Clock::now() - kSilence);
 }
 
 /// Returns them in a list of their own, as they leave the map when they close.
@@ -193,7 +220,7 @@ std::vector<std::shared_ptr<HttpConnection>> HttpPort::Impl::all() const {
 }
 
 void HttpPort::Impl::tick() {
-  const auto now = HttpConnection::Clock::now();
+  const auto now = Clock::now();
   for (const auto& connection : all()) connection->check(now);
   open = connections.size();
   if (closing != nullptr) return close_all();

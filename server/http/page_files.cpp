@@ -82,7 +82,7 @@ absl::StatusOr<PageFiles> PageFiles::open(const std::string& named) {
     PageFile& file = page.files_[name];
     file.type = std::string(type);
     file.is_named_by_content = absl::StartsWith(name, "/assets/");
-    (gzipped ? file.gzipped : file.bytes) = *std::move(read);
+    (gzipped ? file.gzipped : file.bytes) = grpc::Slice(*read);
   }
   if (error || !page.files_.contains(kIndex)) return unusable(folder, "has no index.html");
   return page;
@@ -90,7 +90,7 @@ absl::StatusOr<PageFiles> PageFiles::open(const std::string& named) {
 
 const PageFile* PageFiles::find(absl::string_view path) const {
   const auto found = files_.find(path == "/" ? kIndex : path);
-  return found == files_.end() || found->second.bytes.empty() ? nullptr : &found->second;
+  return found == files_.end() || found->second.bytes.size() == 0 ? nullptr : &found->second;
 }
 
 }  // namespace tet

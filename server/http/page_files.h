@@ -6,13 +6,14 @@
 
 #include <absl/status/statusor.h>
 #include <absl/strings/string_view.h>
+#include <grpcpp/support/slice.h>
 
 namespace tet {
 
 struct PageFile {
-  std::string type;  ///< for Content-Type
-  std::string bytes;
-  std::string gzipped;               ///< empty where the folder has none
+  std::string type;                  ///< for Content-Type
+  grpc::Slice bytes;                 ///< shared by all who ask for it at once
+  grpc::Slice gzipped;               ///< empty where the folder has none
   bool is_named_by_content = false;  ///< its name changes with its bytes
 };
 

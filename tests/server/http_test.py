@@ -368,6 +368,63 @@ class Strangers(HttpTest):
         self.assertEqual(line["client"], "127.0.0.1")
 
 
+class SilentCrowds(HttpTest):
+    """Clients who begin requests and go silent, where nothing but another's need ends them."""
+
+    options = ("--stall-seconds", "3600", "--max-http-connections", "64", "--receive-bytes", "16MiB")
+    ROOM = 8 << 20  # half of that
+    POST = (b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+            b"Content-Length: %d\r\n\r\n")
+
+    def begin(self, size, sent):
+        """A body of which the last byte never comes."""
+        connection = socket.create_connection((self.host, self.port), GENEROUS_END)
+        self.addCleanup(connection.close)
+        connection.sendall(self.POST % size + bytes(sent))
+
+    def answers(self, data):
+        """The status that comes for these bytes, or None where the server hangs up."""
+        try:
+            with socket.create_connection((self.host, self.port), GENEROUS_END) as connection:
+                connection.sendall(data)
+                said = connection.recv(64)
+        except ConnectionError:
+            return None
+        return int(said.split()[1]) if said else None
+
+    def test_those_who_take_all_places_give_way(self):
+        for _ in range(64):
+            self.begin(1, 0)
+        wait_until(lambda: self.answers(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n") == 200)
+
+    def test_those_who_fill_the_room_keep_nobody_from_asking(self):
+        size = 2 << 20
+        for _ in range(self.ROOM // size):
+            self.begin(size, size - 1)
+        self.begin(size, 1000)
+        for _ in range(10):
+            status = self.answers(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            self.assertEqual(status, 200)
+        # And give way to one who does send a body.
+        body = b"{" + b" " * 100_000
+        wait_until(lambda: self.answers(self.POST % len(body) + body) == 400)
+
+    def test_the_kernel_asks_whether_who_says_nothing_is_still_there(self):
+        with socket.create_connection((self.host, self.port), GENEROUS_END) as idle:
+            idle.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            self.assertTrue(idle.recv(64))
+            ours = f"{self.port:04X}", f"{idle.getsockname()[1]:04X}"
+
+            def timer():
+                for line in pathlib.Path("/proc/net/tcp").read_text().splitlines()[1:]:
+                    words = line.split()
+                    if (words[1].split(":")[1], words[2].split(":")[1]) == ours:
+                        return int(words[5].split(":")[0], 16)
+                return None
+
+            wait_until(lambda: timer() == 2)  # the one of keepalive
+
+
 class OtherOrigins(HttpTest):
     options = ("--http-origins", "https://farm.example, http://other.example:8080")
 
