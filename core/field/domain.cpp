@@ -37,27 +37,6 @@ class StoredBox {
   VoxelBox box_{{INT32_MAX, INT32_MAX, INT32_MAX}, {INT32_MIN, INT32_MIN, INT32_MIN}};
 };
 
-VoxelBox stored_box(const Volume& volume) {
-  StoredBox stored;
-  for (const BrickCoord brick : volume.bricks) stored.add(brick);
-  for (const ConstantCube& cube : volume.cubes) {
-    if (cube.value != volume.background) stored.add(cube.min, cube.edge);
-  }
-  constexpr int kEdge = Region::kEdgeBricks;
-  for (const Region& region : volume.regions) {
-    for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (region.brick_index[at] != Region::kConstant ||
-          region.constant[at] == volume.background) {
-        continue;
-      }
-      stored.add({region.min.x + i / (kEdge * kEdge), region.min.y + i / kEdge % kEdge,
-                  region.min.z + i % kEdge});
-    }
-  }
-  return stored.box();
-}
-
 absl::StatusOr<LatticeBox> lattice_box(const PhiField& field, const WorldBox& box) {
   const bool ordered = box.min.x < box.max.x && box.min.y < box.max.y && box.min.z < box.max.z;
   if (!ordered) {  // not-a-numbers end here too
@@ -131,6 +110,27 @@ absl::StatusOr<BrickBox> whole_bricks(const absl::StatusOr<LatticeBox>& asked,
 }
 
 }  // namespace
+
+VoxelBox stored_box(const Volume& volume) {
+  StoredBox stored;
+  for (const BrickCoord brick : volume.bricks) stored.add(brick);
+  for (const ConstantCube& cube : volume.cubes) {
+    if (cube.value != volume.background) stored.add(cube.min, cube.edge);
+  }
+  constexpr int kEdge = Region::kEdgeBricks;
+  for (const Region& region : volume.regions) {
+    for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      if (region.brick_index[at] != Region::kConstant ||
+          region.constant[at] == volume.background) {
+        continue;
+      }
+      stored.add({region.min.x + i / (kEdge * kEdge), region.min.y + i / kEdge % kEdge,
+                  region.min.z + i % kEdge});
+    }
+  }
+  return stored.box();
+}
 
 absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
                                      const std::optional<WorldBox>& box) {

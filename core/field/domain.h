@@ -19,6 +19,9 @@ namespace tet {
 /// kFailedPrecondition (no box, and nothing is stored, or no end).
 absl::StatusOr<BrickBox> mesh_domain(const PhiField& field, const std::optional<WorldBox>& box);
 
+/// Voxels of the bricks that a volume stores, and of constants that are not the background.
+VoxelBox stored_box(const Volume& volume);
+
 /// All that is inside of a scene, or of what it stands for. Errors as above.
 absl::StatusOr<BrickBox> reached_bricks(const PhiField& field);
 

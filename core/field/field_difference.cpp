@@ -122,7 +122,9 @@ std::unique_ptr<const FieldDifference> FieldDifference::between(
   std::unique_ptr<FieldDifference> difference(new FieldDifference(earlier, now));
   if (scenes) return difference;
   const Volume &a = *earlier.volume, &b = *now.volume;
-  if (earlier.iso != now.iso || !same_lattice(a, b)) return nullptr;
+  if (earlier.iso != now.iso || earlier.negated() != now.negated() || !same_lattice(a, b)) {
+    return nullptr;
+  }
   if (replaced != nullptr) {
     difference->touched_ = readers_of(*replaced, now.spacing_voxels);
   } else {

@@ -314,6 +314,14 @@ absl::StatusOr<FoundBricks> find_bricks(const PhiField& field,
   GatheredRegions scanned = scan_regions(field, *regions, most_seen, cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
+  // How many there were when it gave up depends on who was first.
+  if (scanned.surface_bricks > most_seen) {
+    return absl::ResourceExhaustedError(
+        absl::StrFormat("more bricks of 8^3 cells than can be kept lie near the surface; the "
+                        "limit is %d, as many as the memory for counting a mesh holds. Use a "
+                        "larger spacing",
+                        most_seen));
+  }
   const auto seen = static_cast<double>(scanned.surface_bricks);
   const double per_brick = field.at_voxels() ? 1 : lattice_bricks_per_brick(field);
   if (auto status = check_surface_bricks(seen * per_brick, most_seen); !status.ok())

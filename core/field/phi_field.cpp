@@ -254,7 +254,10 @@ bool PhiSampler::inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept
                            static_cast<std::int32_t>(z)};
     return field_.phi(reader_->value(voxel)) < 0;
   }
-  return at(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)) < 0;
+  const std::array point{static_cast<double>(x), static_cast<double>(y),
+                         static_cast<double>(z)};
+  if (scene_ != nullptr) return at(point[0], point[1], point[2]) < 0;
+  return field_.phi(interpolate_at(*reader_, point, field_.spacing_voxels)) < 0;
 }
 
 float PhiSampler::at(double x, double y, double z) noexcept {

@@ -113,7 +113,8 @@ class PhiSampler {
   /// at.
   bool one_sided(BrickCoord brick) noexcept;
 
-  /// True when phi < 0 at a lattice corner.
+  /// True when phi < 0 at a lattice corner: as its sample says, to the bit, so that a brick of
+  /// one-sided samples lies on the side that is found at any of its corners.
   bool inside(std::int64_t x, std::int64_t y, std::int64_t z) noexcept;
 
   /// phi at a lattice point (units of the spacing): trilinear, or the scene's.

@@ -1,6 +1,7 @@
 #include "core/files/foam_faces.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace tet {
@@ -66,31 +67,25 @@ void FoamFaces::sort_boundary(const FaceGroups& groups) {
 }
 
 void FoamFaces::find_zones(const FaceGroups& groups) {
-  std::vector<FoamZone> zones;
+  std::optional<InnerFaceNumbers> numbers;  // few meshes have faces there that have a name
   for (const FaceGroup& group : groups.groups()) {
-    if (group.kind == FaceKind::kInterface) zones.push_back({group.name, {}});
-  }
-  if (zones.empty()) return;
-  const InnerFaceNumbers numbers(behind_);
-  std::size_t next = 0;
-  for (const FaceGroup& group : groups.groups()) {
-    if (group.kind != FaceKind::kInterface) continue;
-    std::vector<FoamZone::Face>& faces = zones[next++].faces;
+    std::vector<FoamZone::Face> faces;
     for (std::uint64_t i = 0; i < group.faces; ++i) {
       const std::uint64_t face = groups[group.first + i].index;
       const std::uint64_t tet = face / 4, other = behind_[face];
       if (other == TetNeighbours::kNone) continue;
+      if (!numbers) numbers.emplace(behind_);
       faces.push_back(
-          {numbers.number(std::min(tet, other), std::max(tet, other)), tet > other});
+          {numbers->number(std::min(tet, other), std::max(tet, other)), tet > other});
     }
+    if (faces.empty()) continue;
     std::ranges::sort(faces);
     const auto same = [](const FoamZone::Face& a, const FoamZone::Face& b) {
       return a.number == b.number;
     };
     faces.erase(std::unique(faces.begin(), faces.end(), same), faces.end());
+    zones_.push_back({group.name, std::move(faces)});
   }
-  std::erase_if(zones, [](const FoamZone& zone) { return zone.faces.empty(); });
-  zones_ = std::move(zones);
 }
 
 }  // namespace tet

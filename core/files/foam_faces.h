@@ -41,6 +41,7 @@ class FoamFaces {
   /// The boundary's faces, in the order of the patches.
   std::span<const std::uint64_t> boundary() const noexcept { return boundary_; }
   const std::vector<FoamPatch>& patches() const noexcept { return patches_; }
+  /// One for each name that faces between two tets have: the interface's, and regions' of it.
   const std::vector<FoamZone>& zones() const noexcept { return zones_; }
   const TetNeighbours& behind() const noexcept { return behind_; }
 

@@ -76,12 +76,23 @@ absl::Status check_plan_budget(const FoundBricks& found, std::size_t most) {
       bricks, most));
 }
 
-absl::Status check_survey_budget(std::size_t bricks, std::size_t most) {
-  if (bricks <= most) return absl::OkStatus();
+absl::Status check_survey_budget(std::size_t bricks,
+                                 std::uint64_t more_bytes,
+                                 const MeshedSpace& space) {
+  const std::size_t most = space.most_bricks;
+  if (bricks > most) {
+    return absl::ResourceExhaustedError(absl::StrFormat(
+        "more than %d bricks of 8^3 cells lie near the surface, as many as the memory for "
+        "counting a mesh holds. Use a larger spacing or a smaller box",
+        most));
+  }
+  const std::uint64_t per_brick = survey_bytes_per_brick(space.rules);
+  if (more_bytes <= (most - bricks) * per_brick) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
-      "more than %d bricks of 8^3 cells lie near the surface, as many as the memory for "
-      "counting a mesh holds. Use a larger spacing or a smaller box",
-      most));
+      "the surface has so many parts and thin walls that counting a mesh takes more than the "
+      "%d bytes that there are for it. Use a larger spacing or a smaller box, or mesh without "
+      "statistics",
+      most * per_brick));
 }
 
 absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {

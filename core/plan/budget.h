@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include <absl/status/status.h>
 
@@ -42,9 +43,12 @@ absl::Status check_inside_budget(const FoundBricks& found,
 /// A surface for which there are more than `most` bricks to look at.
 absl::Status check_plan_budget(const FoundBricks& found, std::size_t most);
 
-/// A survey that found more than `most` bricks to keep: where the lattice is not the voxels'
-/// own, only this tells.
-absl::Status check_survey_budget(std::size_t bricks, std::size_t most);
+/// A survey that found more to keep than the space lets it: more bricks, which only this tells
+/// where the lattice is not the voxels' own; or, beside them, so many parts of the surface and
+/// thin walls that their `more_bytes` are as many as the rest of the bricks would take.
+absl::Status check_survey_budget(std::size_t bricks,
+                                 std::uint64_t more_bytes,
+                                 const MeshedSpace& space);
 
 /// An improvement for which the mesh could not be kept.
 absl::Status check_improvement_budget(const MeshHeader& header, const MeshLimits& limits);

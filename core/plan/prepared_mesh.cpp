@@ -1,7 +1,9 @@
 #include "core/plan/prepared_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include <absl/status/status.h>
@@ -108,7 +110,28 @@ absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& 
   return MeshedField{std::move(stand_in), phi};
 }
 
+namespace {
+
+/// Lattice coordinates, doubled, are numbers of 32 bits. Voxels' own fit.
+absl::Status check_reach(const PhiField& field) {
+  if (field.scene != nullptr || field.spacing_voxels >= 1) return absl::OkStatus();
+  const auto [min, max] = stored_box(*field.volume);
+  double farthest = 0;
+  for (const std::int32_t voxel : {min.x, min.y, min.z, max.x, max.y, max.z}) {
+    farthest = std::max(farthest, std::abs(static_cast<double>(voxel)));
+  }
+  const double reach = farthest / field.spacing_voxels;
+  if (reach <= kMaxVoxelCoord || min.x > max.x) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("the grid reaches %g spacings from its voxel 0; the limit is %d. Use a "
+                      "larger spacing, or store the grid nearer to its voxel 0",
+                      reach, kMaxVoxelCoord));
+}
+
+}  // namespace
+
 absl::Status check_spacing(const PhiField& field) {
+  if (auto status = check_reach(field); !status.ok()) return status;
   // Between two nodes thin walls are looked for voxel by voxel, so a brick takes as long as the
   // spacing is wide.
   constexpr double kMaxSpacingVoxels = 256;

@@ -220,6 +220,7 @@ SurfaceParts number_parts(SurfaceWorkspace& workspace) {
     }
   });
   parts.links.assign(links.begin(), links.end());  // no larger than it need be: it is kept
+  parts.part_of.shrink_to_fit();
   return parts;
 }
 

@@ -171,4 +171,21 @@ void interpolate_lattice(VolumeReader& reader,
   }
 }
 
+float interpolate_at(VolumeReader& reader,
+                     const std::array<double, 3>& point,
+                     double spacing_voxels) noexcept {
+  const AxisPoints x(point[0], 1, spacing_voxels), y(point[1], 1, spacing_voxels),
+      z(point[2], 1, spacing_voxels);
+  const auto along_x = [&](std::size_t j, std::size_t k) {
+    const auto value = [&](std::size_t i) {
+      return reader.value({x.voxel(i), y.voxel(j), z.voxel(k)});
+    };
+    return blend(value(0), value(1), x.weight(0));
+  };
+  const auto along_y = [&](std::size_t k) {
+    return blend(along_x(0, k), along_x(1, k), y.weight(0));
+  };
+  return blend(along_y(0), along_y(1), z.weight(0));
+}
+
 }  // namespace tet

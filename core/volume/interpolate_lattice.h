@@ -45,4 +45,10 @@ void interpolate_lattice(VolumeReader& reader,
                          const AxisPoints& z,
                          std::array<float, kHaloNodes>& values) noexcept;
 
+/// The value that it finds at one lattice point, to the bit: at voxel `spacing_voxels` * (x, y,
+/// z).
+float interpolate_at(VolumeReader& reader,
+                     const std::array<double, 3>& point,
+                     double spacing_voxels) noexcept;
+
 }  // namespace tet

@@ -1,5 +1,4 @@
 // The boundary triangles of a mesh and the names that they have, as core/mesh/find_faces.h finds them.
-import { FaceKind } from "../generated/tetstream/v1/meshes_pb";
 import { kFaceCorners, type Columns } from "./chunk_store";
 import { FaceSet } from "./face_set";
 import { distinctNames, freeName } from "./tet_groups";
@@ -9,8 +8,6 @@ export interface FaceGroup {
   tag: number;
   name: string;
   faces: Uint32Array;  // numbers, rising
-  /** Tets lie on both sides. */
-  isInterface: boolean;
 }
 
 const kBox = ["x_min", "x_max", "y_min", "y_max", "z_min", "z_max"];
@@ -22,7 +19,6 @@ interface Found {
   faces: Uint32Array;
   labels: Uint16Array;  // of each
   names: string[];
-  interfaces: boolean[];  // whether it is one, of each name
 }
 
 function facesOfColumns(mesh: TetMesh): Found {
@@ -33,8 +29,7 @@ function facesOfColumns(mesh: TetMesh): Found {
     labels.set(columns.faceLabels!, next);
     next += columns.faces!.length;
   });
-  return { faces, labels, names: mesh.header.faceLabels.map((label) => label.name),
-    interfaces: mesh.header.faceLabels.map((label) => label.kind === FaceKind.INTERFACE) };
+  return { faces, labels, names: mesh.header.faceLabels.map((label) => label.name) };
 }
 
 /** Faces that one tet has, or two of different groups: of the one with the lower group. */
@@ -67,8 +62,7 @@ function pairsOfLabels(mesh: TetMesh): Found {
   const pairOf = (i: number): number => front[i]! * 0x10000 + behind[i]! + 1;
   const pairs = [...new Set(Array.from(faces, (_, i) => pairOf(i)))].sort((a, b) => a - b);
   if (pairs.length > kMostLabels) {
-    return { faces, labels: Uint16Array.from(behind, (group) => (group < 0 ? 0 : 1)), names: ["surface", "interface"],
-      interfaces: [false, true] };
+    return { faces, labels: Uint16Array.from(behind, (group) => (group < 0 ? 0 : 1)), names: ["surface", "interface"] };
   }
   const names = distinctNames(mesh.header.labels), taken = new Set<string>();
   const places = new Map(pairs.map((pair, i) => [pair, i]));
@@ -76,7 +70,7 @@ function pairsOfLabels(mesh: TetMesh): Found {
     names: pairs.map((pair) => {
       const other = (pair & 0xffff) - 1;
       return freeName(`${names[pair >>> 16]}_${other < 0 ? "surface" : names[other]}`, taken);
-    }), interfaces: pairs.map((pair) => (pair & 0xffff) > 0) };
+    }) };
 }
 
 /** The face of the box around all vertices that each of some faces is nearest to. */
@@ -101,7 +95,7 @@ function sidesOfRegions(mesh: TetMesh): Found {
   const { faces, behind } = facesOfGroups(mesh);
   const nearest = nearestBoxFaces(mesh, faces);
   return { faces, labels: nearest.map((side, i) => (behind[i]! < 0 ? 1 + side : 0)),
-    names: ["interface", ...kBox.map((name) => `box_${name}`)], interfaces: [true, ...kBox.map(() => false)] };
+    names: ["interface", ...kBox.map((name) => `box_${name}`)] };
 }
 
 function sidesOfCut(mesh: TetMesh): Found {
@@ -118,8 +112,7 @@ function sidesOfCut(mesh: TetMesh): Found {
     const shared = kFaceCorners[corner]!.reduce((both, k) => both & sides[tets[tet * 4 + k]!]!, 63);
     labels[i] = shared === 0 ? 0 : 1 + (31 - Math.clz32(shared & -shared));
   });
-  return { faces, labels, names: ["surface", ...kBox.map((name) => `cut_${name}`)],
-    interfaces: ["surface", ...kBox].map(() => false) };
+  return { faces, labels, names: ["surface", ...kBox.map((name) => `cut_${name}`)] };
 }
 
 function foundFaces(mesh: TetMesh): Found {
@@ -128,7 +121,7 @@ function foundFaces(mesh: TetMesh): Found {
   if (header.labels.length > 0) return pairsOfLabels(mesh);
   const found = header.hasRegions ? sidesOfRegions(mesh)
     : header.fields.at(-1)?.name === kCutField ? sidesOfCut(mesh)
-    : { faces: mesh.outsideFaces, labels: new Uint16Array(mesh.outsideFaces.length), names: ["surface"], interfaces: [false] };
+    : { faces: mesh.outsideFaces, labels: new Uint16Array(mesh.outsideFaces.length), names: ["surface"] };
   if (header.parts.length === 0) return found;
   const own = found.names.length;
   const labels = new Uint16Array(found.faces.length);
@@ -137,17 +130,15 @@ function foundFaces(mesh: TetMesh): Found {
     labels[i] = part * own + found.labels[i]!;
   }
   return { faces: found.faces, labels,
-    names: header.parts.flatMap((part) => found.names.map((name) => `${part.name}_${name}`)),
-    interfaces: header.parts.flatMap(() => found.interfaces) };
+    names: header.parts.flatMap((part) => found.names.map((name) => `${part.name}_${name}`)) };
 }
 
 /** All faces of a mesh by their names; only names that some have. */
 export function faceGroups(mesh: TetMesh): FaceGroup[] {
-  const { faces, labels, names, interfaces } = foundFaces(mesh);
+  const { faces, labels, names } = foundFaces(mesh);
   const counts = names.map(() => 0);
   for (const label of labels) ++counts[label]!;
-  const groups = names.map((name, i) => ({ tag: i + 1, name, faces: new Uint32Array(counts[i]!),
-    isInterface: interfaces[i]! }));
+  const groups = names.map((name, i) => ({ tag: i + 1, name, faces: new Uint32Array(counts[i]!) }));
   counts.fill(0);
   labels.forEach((label, i) => (groups[label]!.faces[counts[label]!++] = faces[i]!));
   return groups.filter((group) => group.faces.length > 0);

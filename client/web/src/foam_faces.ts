@@ -34,7 +34,7 @@ export class FoamFaces {
     this.innerCount = this.findNeighbours();
     const groups = faceGroups(mesh);
     this.sortBoundary(groups);
-    this.zones = this.findZones(groups.filter(({ isInterface }) => isInterface));
+    this.zones = this.findZones(groups);
   }
 
   get count(): number {
@@ -105,13 +105,13 @@ export class FoamFaces {
   }
 
   private findZones(groups: FaceGroup[]): FoamZone[] {
-    if (groups.length === 0) return [];
-    const firsts = this.firstsOfTets();
+    let firsts: Uint32Array | undefined;  // few meshes have faces there that have a name
     return groups.map(({ name, faces }) => {
       const flips = new Map<number, boolean>();
       for (const face of faces) {
         const tet = face >>> 2, other = this.behind[face]!;
         if (other === kNone) continue;
+        firsts ??= this.firstsOfTets();
         const number = this.numberOf(firsts, Math.min(tet, other), Math.max(tet, other));
         flips.set(number, (flips.get(number) ?? true) && tet > other);
       }

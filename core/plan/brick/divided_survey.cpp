@@ -10,6 +10,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/plan/brick/survey_bytes.h"
+#include "core/plan/brick/survey_findings.h"
 #include "core/plan/budget.h"
 
 namespace tet {
@@ -113,6 +114,7 @@ absl::StatusOr<Survey> join_survey(const PreparedMesh& prepared,
   space.skip_topology = false;  // blocks have it
   Survey survey;
   survey.has_topology = true;
+  RareFindings rare;
   const std::size_t blocks = blocks_of(bricks.size(), surveyed.block_bricks);
   for (std::size_t block = 0; block < blocks; ++block) {
     if (auto status = check_cancelled(cancellation); !status.ok()) return status;
@@ -125,7 +127,7 @@ absl::StatusOr<Survey> join_survey(const PreparedMesh& prepared,
       space.kept_geometry_bytes -= here->geometry.block_bytes;
       append(survey, *here);
     }
-    if (auto status = check_survey_budget(survey.bricks.size(), space.most_bricks);
+    if (auto status = check_survey_budget(survey.bricks.size(), rare.bytes_of(survey), space);
         !status.ok()) {
       return status;
     }

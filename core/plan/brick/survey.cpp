@@ -253,7 +253,7 @@ class Surveyor {
     std::ranges::move(blocks, std::back_inserter(survey_.geometry.blocks));
     add_findings(candidates, std::move(findings), task_.earlier, task_.space.rules.both_sides,
                  {still_to_come, task_.space.most_bricks}, survey_);
-    return check_survey_budget(survey_.bricks.size(), task_.space.most_bricks);
+    return check_survey_budget(survey_.bricks.size(), rare_.bytes_of(survey_), task_.space);
   }
 
   /// To be called once everything is added.
@@ -316,6 +316,7 @@ class Surveyor {
   Survey& survey_;
   std::atomic<std::int64_t> room_;
   bool shares_ = false;  ///< the earlier survey's blocks
+  RareFindings rare_;
   std::optional<BrickSides> sides_;
   ScratchPool<SurveyWorkspace> workspaces_;
 };

@@ -104,6 +104,13 @@ void add_findings(std::span<const BrickCoord> candidates,
   add_run();
 }
 
+std::uint64_t RareFindings::bytes_of(const Survey& survey) noexcept {
+  for (; counted_ < survey.parts.size(); ++counted_) {
+    parts_bytes_ += survey.parts[counted_].parts->bytes();
+  }
+  return parts_bytes_ + survey.thin.size() * sizeof(ThinBrick);
+}
+
 std::uint64_t count_kept(const KeptGeometry& geometry) noexcept {
   return static_cast<std::uint64_t>(std::ranges::count_if(
       geometry.of_brick, [](const std::byte* packed) { return packed != nullptr; }));

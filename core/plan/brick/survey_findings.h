@@ -54,6 +54,17 @@ void add_findings(std::span<const BrickCoord> candidates,
                   const StillToCome& rest,
                   Survey& survey);
 
+/// What few bricks of a survey that grows have: parts of the surface, and thin walls.
+class RareFindings {
+ public:
+  /// Memory that they take; each is looked at once.
+  std::uint64_t bytes_of(const Survey& survey) noexcept;
+
+ private:
+  std::size_t counted_ = 0;
+  std::uint64_t parts_bytes_ = 0;
+};
+
 /// How many bricks' geometry is kept.
 std::uint64_t count_kept(const KeptGeometry& geometry) noexcept;
 

@@ -65,6 +65,36 @@ TEST(PhiSampler, FindsTheTrilinearValuesAtEverySpacing) {
   }
 }
 
+/// All of `voxels` are -1 but for those at the coordinate `x`, which are `value`.
+Volume wall_of(std::int32_t x, float value) {
+  return test::dense_volume({{0, 0, 0}, {31, 31, 31}}, -1,
+                            [=](VoxelCoord v) { return v.x == x ? value : -1.0F; });
+}
+
+TEST(PhiSampler, TellsTheSideOfACornerAsItsSampleDoesThoughItLieOnTheSurface) {
+  int on_either_side[2] = {0, 0};
+  for (const double spacing : {1.1125, 1.05625, 0.9125, 1.3}) {
+    const std::int64_t corner = 8;
+    const double at = spacing * static_cast<double>(corner), voxel = std::floor(at);
+    const auto exact = static_cast<float>((1 - (at - voxel)) / (at - voxel));
+    float value = exact;
+    for (int step = 0; step < 8; ++step) value = std::nextafter(value, 0.0F);
+    for (int step = 0; step < 16; ++step, value = std::nextafter(value, 2 * exact)) {
+      const Volume wall = wall_of(static_cast<std::int32_t>(voxel) + 1, value);
+      PhiField field;
+      field.volume = &wall;
+      field.spacing_voxels = spacing;
+      const auto samples = samples_of(wall, spacing, {1, 1, 1});
+      const float sample = samples->corner[static_cast<std::size_t>(halo_index(0, 0, 0))];
+      EXPECT_EQ(PhiSampler(field).inside(corner, 8, 8), sample < 0)
+          << "at spacing " << spacing << " with " << value << " beside it";
+      ++on_either_side[sample < 0 ? 1 : 0];
+    }
+  }
+  EXPECT_GT(on_either_side[0], 0);
+  EXPECT_GT(on_either_side[1], 0);
+}
+
 TEST(PhiSampler, FindsTheSameBitsInEveryBrickThatSeesANode) {
   const Volume random = test::random_signs(64, 32, 7);
   for (const double spacing : {0.7, 1.0, 1.5, 2.3}) {

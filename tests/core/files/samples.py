@@ -18,6 +18,7 @@ SAMPLES = {
     "wide": numpy.float64,
     "blocks": numpy.float64,
     "sides": numpy.float32,
+    "half": numpy.float32,
     "outside": numpy.float32,
     "field": numpy.float32,
     "fields": numpy.float32,

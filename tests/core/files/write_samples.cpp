@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -49,17 +50,50 @@ TetMesh in_two_parts(TetMesh mesh, std::uint64_t tets) {
   return mesh;
 }
 
+/// The mesh's own faces, or those that are found.
+FoundFaces faces_in(const TetMesh& mesh) {
+  if (!mesh.header.has_faces()) return find_faces(mesh);
+  std::vector<TetFace> faces;
+  std::map<std::uint64_t, std::uint16_t> labels;
+  for (std::uint64_t i = 0; i < mesh.header.face_count; ++i) {
+    const std::uint64_t tet = mesh.face_tet(i);
+    faces.push_back({4 * tet + opposite_corner(mesh.tet(tet), mesh.face(i))});
+    labels[faces.back().index] = mesh.face_label(i);
+  }
+  return {std::move(faces), mesh.header.face_labels,
+          [labels = std::move(labels)](const TetFace& face, const Triangle&) {
+            return labels.at(face.index);
+          }};
+}
+
 /// By label: a triangle's nodes.
 template <std::size_t kNodes>
 nlohmann::json faces_of(const FileMesh& mesh) {
   nlohmann::json faces = nlohmann::json::object();
-  const FoundFaces found = find_faces(mesh.mesh);
+  const FoundFaces found = faces_in(mesh.mesh);
   for (const TetFace& face : found.faces) {
     const Triangle triangle = face_of(mesh.mesh.tet(face.tet()), face.opposite());
     faces[found.labels[found.label(face, triangle)].name].push_back(
         nodes_of_face(mesh.nodes_of<kNodes>(face.tet()), face.opposite()));
   }
   return faces;
+}
+
+/// A mesh of both sides with faces of its own, of which a half of the interface has a name that
+/// a request gave it.
+TetMesh with_half_named(TetMesh mesh) {
+  FoundFaces found = find_faces(mesh);
+  const auto half = static_cast<std::uint16_t>(found.labels.size());
+  found.labels.push_back({.name = "half", .kind = FaceKind::kRegion});
+  const double middle = mesh.vertex(mesh.header.vertex_count / 2).x;
+  found.label = [&mesh, half, middle, label = std::move(found.label)](
+                    const TetFace& face, const Triangle& triangle) {
+    const std::uint16_t own = label(face, triangle);
+    const bool is_low = mesh.vertex(triangle[0]).x < middle;
+    return own == 0 && is_low ? half : own;
+  };
+  set_faces(found, mesh, mesh);
+  return mesh;
 }
 
 /// A node in the middle of each edge, off the straight line, and values that all differ.
@@ -189,6 +223,8 @@ absl::Status write_samples(const std::string& directory) {
   status.Update(write_sample(directory + "/blocks", kuhn_mesh(33, all, wide)));
   // Tets of a region, or of a part, take more than one block as text: 27,000 lines do.
   status.Update(write_sample(directory + "/sides", with_regions(kuhn_mesh(24), every_third)));
+  status.Update(write_sample(directory + "/half",
+                             with_half_named(with_regions(kuhn_mesh(6), every_third))));
   status.Update(write_sample(directory + "/outside", with_regions(kuhn_mesh(2), none)));
   const std::vector<FieldArray> fields{{"heat", 1}, {"flow <x> & co", 3}, {"Druck in MPa", 1}};
   status.Update(write_sample(directory + "/field", with_fields(kuhn_mesh(4), {{"flow", 3}})));

@@ -1,0 +1,119 @@
+// Where a lattice meets the limits of its numbers: far away, and on the surface to the bit.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/plan/make/plan_mesh.h"
+#include "tests/core/plan/meshing.h"
+#include "tests/support/conformity.h"
+#include "tests/support/volume_fixtures.h"
+
+namespace tet {
+namespace {
+
+using ::testing::HasSubstr;
+
+absl::Status refusal_of(Volume volume, const MeshRequest& request, const MeshLimits& limits) {
+  return plan_mesh({.shape = std::make_shared<const Volume>(std::move(volume)),
+                    .request = request,
+                    .limits = limits})
+      .status();
+}
+
+/// A ball of 12 voxels around (x, 0, 0).
+Volume ball_at(std::int32_t x) {
+  return test::narrow_band_volume({{x - 20, -20, -20}, {x + 20, 20, 20}}, 3, [=](VoxelCoord v) {
+    const double away = std::hypot(v.x - x, v.y, v.z) - 12;
+    return static_cast<float>(away);
+  });
+}
+
+TEST(LatticeLimits, AGridTooFarAwayForItsSpacingIsRefused) {
+  for (const double spacing : {0.1, 0.5}) {
+    MeshRequest request;
+    request.spacing = spacing;
+    const absl::Status refused = refusal_of(ball_at(300'000'000), request, {});
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << "at spacing " << spacing;
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("spacings from its voxel 0"));
+  }
+}
+
+TEST(LatticeLimits, AGridAtTheLimitIsMeshedAsItIsAnywhere) {
+  for (const double spacing : {1.0, 0.6}) {
+    MeshRequest request;
+    request.spacing = spacing;
+    const std::int32_t x = spacing == 1 ? 500'000'000 : 300'000'000;
+    const MeshResult far = test::mesh(ball_at(x), request);
+    EXPECT_TRUE(check_conformity(far.mesh).conforming());
+    const double pi = std::acos(-1);
+    EXPECT_NEAR(far.quality.volume, 4 * pi / 3 * 12 * 12 * 12, 100) << "at spacing " << spacing;
+    double min = far.mesh.vertex(0).x, max = min;
+    for (std::uint64_t i = 1; i < far.mesh.header.vertex_count; ++i) {
+      min = std::min(min, far.mesh.vertex(i).x);
+      max = std::max(max, far.mesh.vertex(i).x);
+    }
+    EXPECT_NEAR(max - min, 24, 1);
+  }
+}
+
+// All of it is inside but for a speck that no node sees: a corner of the lattice lies on the
+// speck's surface as closely as numbers can tell.
+TEST(LatticeLimits, ABrickWhoseCornerIsNearlyOnTheSurfaceIsOnOneSideWhole) {
+  struct Speck {
+    double spacing;
+    std::int32_t voxel;
+    int levels;
+  };
+  for (const Speck& speck : {Speck{1.1125, 9, 0}, Speck{1.05625, 17, 1}}) {
+    float value = 1.0F / 9;
+    if (speck.voxel == 17) {
+      const double at = 16 * speck.spacing;
+      value = static_cast<float>((1 - (at - std::floor(at))) / (at - std::floor(at)));
+    }
+    for (int step = -2; step <= 2; ++step) {
+      float stepped = value;
+      for (int i = 0; i < std::abs(step); ++i) {
+        stepped = std::nextafter(stepped, step < 0 ? 0.0F : 1.0F);
+      }
+      const auto solid = [&](VoxelCoord v) {
+        if (v.x == speck.voxel && v.y == 0 && v.z == 0) return stepped;
+        const int beyond =
+            std::max({-16 - v.x, v.x - 48, -16 - v.y, v.y - 48, -16 - v.z, v.z - 48});
+        return beyond > 0 ? 1.0F : -1.0F;
+      };
+      MeshRequest request;
+      request.spacing = speck.spacing;
+      request.levels = speck.levels;
+      const MeshResult result =
+          test::mesh(test::dense_volume({{-24, -24, -24}, {55, 55, 55}}, 1, solid), request);
+      const ConformityReport report = check_conformity(result.mesh);
+      EXPECT_TRUE(report.conforming()) << report.describe();
+      EXPECT_NEAR(result.quality.volume, 65.0 * 65 * 65, 65.0 * 65 * 6 * 0.1)
+          << "at spacing " << speck.spacing << ", " << step << " units beside it";
+    }
+  }
+}
+
+// A brick of one sheet takes a third of what one of 64 blobs takes while it is counted.
+TEST(LatticeLimits, ThePartsOfASurfaceCountForItsMemory) {
+  const auto blobs = [](VoxelCoord v) {
+    return v.x % 2 == 0 && v.y % 2 == 0 && v.z % 2 == 0 ? -1.0F : 1.0F;
+  };
+  const Volume volume = test::dense_volume({{0, 0, 0}, {63, 63, 63}}, 1, blobs);
+  MeshRequest request;
+  const MeshLimits limits{.max_plan_bytes = 2'600'000};
+  const absl::Status refused = refusal_of(volume, request, limits);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("so many parts"));
+  request.skip_statistics = true;
+  EXPECT_EQ(refusal_of(volume, request, limits), absl::OkStatus());
+}
+
+}  // namespace
+}  // namespace tet
