@@ -1,10 +1,10 @@
 // `tetstream convert`: a surface in, a .vdb level set out; or an array of NumPy, and an image.
 #include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
@@ -20,6 +20,8 @@
 #include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/posix/file.h"
+#include "core/base/posix/folder.h"
 #include "core/base/printable.h"
 #include "core/image/place_array.h"
 #include "core/vdb/openvdb_part.h"
@@ -87,21 +89,21 @@ absl::StatusOr<ConversionReport> convert(const ConvertOptions& options,
                       absl::StrReplaceAll(message, {{made, options.output}}));
 }
 
+/// Whole and on the disk before it has its name; behind a symbolic link it takes the place of
+/// the file that this leads to, as all outputs do.
 absl::Status move_to_output(const std::string& made, const ConvertOptions& options) {
-  std::error_code error;
-  fs::rename(made, options.output, error);
-  if (!error) return absl::OkStatus();
-  return absl::UnavailableError(
-      absl::StrFormat("'%s' cannot be written: %s", options.output, error.message()));
+  absl::StatusOr<File> file = File::open(made, O_RDONLY, io_error);
+  if (!file.ok()) return file.status();
+  if (auto status = file->sync(); !status.ok()) return status;
+  return move_file(made, link_target(options.output), io_error);
 }
 
-absl::Status convert_array(const ConvertOptions& options) {
+absl::Status convert_array(const ConvertOptions& options, const Cancellation& interruption) {
   const ScratchDirectory scratch(fs::absolute(options.output).parent_path());
   const std::string made = scratch.file("made.nrrd");
-  const absl::Status status = place_array(options.input, options.place, made);
-  if (!status.ok()) {
-    return {status.code(), absl::StrCat("'", options.input, "': ", status.message())};
-  }
+  const absl::Status status =
+      place_array_abandonable(options.input, options.place, made, interruption);
+  if (!status.ok()) return status;
   if (auto moved = move_to_output(made, options); !moved.ok()) return moved;
   std::printf("%s: an image of %s\n", for_terminal(options.output).c_str(),
               for_terminal(options.input).c_str());
@@ -111,7 +113,7 @@ absl::Status convert_array(const ConvertOptions& options) {
 /// The file is written beside the output, where nothing is left of it if it is not finished.
 absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
   if (auto status = check_options(options); !status.ok()) return status;
-  if (is_array(options)) return convert_array(options);
+  if (is_array(options)) return convert_array(options, interruption);
   const fs::path folder = fs::absolute(options.output).parent_path();
   const ScratchDirectory scratch(folder);
   const std::string made = scratch.file("made.vdb");

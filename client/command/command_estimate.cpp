@@ -113,7 +113,7 @@ absl::Status run_estimate(const EstimateArguments& arguments,
   if (!options.ok()) return options.status();
   if (auto status = check_input(*options); !status.ok()) return status;
   const std::string input = options->input;
-  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options);
+  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options, interruption);
   if (!placed.ok()) return placed.status();
   absl::StatusOr<MeshEstimate> estimate = absl::UnknownError("not counted");
   {

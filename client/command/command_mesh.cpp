@@ -143,6 +143,12 @@ absl::Status check_options(const MeshOptions& options) {
   if (status.ok()) status = check_order(options);
   if (status.ok()) status = check_output(options);
   if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
+  if (status.ok() && !options.report.empty() &&
+      link_target(options.report) == link_target(options.output)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the report would take the place of the mesh: both are to be ",
+                     options.output, "; name another file for one of them"));
+  }
   return status;
 }
 
@@ -188,7 +194,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   absl::StatusOr<MeshOptions> options = understand_input(arguments);
   if (!options.ok()) return options.status();
   if (auto status = check_options(*options); !status.ok()) return status;
-  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options);
+  const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options, interruption);
   if (!placed.ok()) return placed.status();
 
   absl::StatusOr<MadeMesh> made = absl::UnknownError("not made");

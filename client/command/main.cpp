@@ -1,6 +1,8 @@
 // tetstream: VDB volumes and closed surfaces in, tetrahedral meshes out.
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -125,6 +127,15 @@ int run_command_line(int argc, char** argv) {
   return static_cast<int>(ExitCode::kUsage);
 }
 
+/// What was printed may be the answer: where it did not reach its end all is not well.
+int with_what_was_printed(int code) {
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (written || code != static_cast<int>(ExitCode::kDone)) return code;
+  std::fprintf(stderr, "tetstream: what it printed cannot be written: %s\n",
+               errno == 0 ? "some of it was lost" : std::strerror(errno));
+  return static_cast<int>(ExitCode::kRefused);
+}
+
 }  // namespace
 }  // namespace tet
 
@@ -132,5 +143,5 @@ int main(int argc, char** argv) {
   const tet::WorkerThreads workers;
   tet::keep_read_blocks();
   tet::quieten_grpc();
-  return tet::run_command_line(argc, argv);
+  return tet::with_what_was_printed(tet::run_command_line(argc, argv));
 }

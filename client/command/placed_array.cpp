@@ -10,6 +10,8 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/command/abandonable.h"
+
 namespace tet {
 
 void describe_place(CLI::App& app, ArrayPlace& place) {
@@ -28,7 +30,20 @@ void describe_place(CLI::App& app, ArrayPlace& place) {
       ->type_name("SPACE");
 }
 
-absl::StatusOr<PlacedArray> PlacedArray::of(MeshOptions& options) {
+absl::Status place_array_abandonable(const std::string& array,
+                                     const ArrayPlace& place,
+                                     const std::string& image,
+                                     const Cancellation& interruption) {
+  const auto work = [=]() -> absl::StatusOr<bool> {
+    const absl::Status status = place_array(array, place, image);
+    if (status.ok()) return true;
+    return absl::Status(status.code(), absl::StrCat("'", array, "': ", status.message()));
+  };
+  return run_abandonable<bool>(work, {}, interruption).status();
+}
+
+absl::StatusOr<PlacedArray> PlacedArray::of(MeshOptions& options,
+                                            const Cancellation& interruption) {
   PlacedArray placed;
   if (options.place == ArrayPlace()) return placed;
   if (!absl::EndsWith(absl::AsciiStrToLower(options.input), ".npy")) {
@@ -41,10 +56,9 @@ absl::StatusOr<PlacedArray> PlacedArray::of(MeshOptions& options) {
   if (!folder.ok()) return folder.status();
   const std::string stem = std::filesystem::path(options.input).stem().string();
   const std::string image = folder->file(absl::StrCat(stem, ".nrrd"));
-  const absl::Status made = place_array(options.input, options.place, image);
-  if (!made.ok()) {
-    return absl::Status(made.code(), absl::StrCat("'", options.input, "': ", made.message()));
-  }
+  const absl::Status made =
+      place_array_abandonable(options.input, options.place, image, interruption);
+  if (!made.ok()) return made;
   options.input = image;
   placed.folder_.emplace(*std::move(folder));
   return placed;

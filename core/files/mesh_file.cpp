@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 
@@ -66,19 +67,28 @@ FileWriter writer_of(MeshFormat format) {
   return nullptr;
 }
 
-/// The .h5 beside an .xdmf. Errors: kInvalidArgument (the path is that itself).
+/// The .h5 beside an .xdmf; behind a symbolic link beside the file that it leads to. Errors:
+/// kInvalidArgument (a name that no index can have).
 absl::StatusOr<std::string> columns_path(const std::string& path) {
-  const std::string columns = fs::path(path).replace_extension(".h5").string();
-  if (fs::path(columns).filename().string().find(':') != std::string::npos) {
+  fs::path columns = link_target(path);
+  if (absl::AsciiStrToLower(columns.extension().string()) == ".h5") {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the output ", path,
+        " has the name of the file beside it: end it in .xdmf, and the .h5 comes too"));
+  }
+  // Only that ending is ours: of `mesh.0.04` and `mesh.0.05` each has columns of its own.
+  if (absl::AsciiStrToLower(columns.extension().string()) == ".xdmf") {
+    columns.replace_extension(".h5");
+  } else {
+    columns += ".h5";
+  }
+  if (columns.filename().string().find(':') != std::string::npos) {
     return absl::InvalidArgumentError(
         absl::StrCat("the output ", path,
                      " has a colon in its name, behind which readers of .xdmf expect a "
                      "dataset: name it otherwise"));
   }
-  if (columns != path) return columns;
-  return absl::InvalidArgumentError(absl::StrCat(
-      "the output ", path,
-      " has the name of the file beside it: end it in .xdmf, and the .h5 comes too"));
+  return columns.string();
 }
 
 absl::Status write_two_files(const std::string& path,
@@ -126,10 +136,14 @@ struct FormatNames {
 
 FormatNames names_in(MeshFormat format) {
   switch (format) {
+    case MeshFormat::kMsh:
+      return {.groups = kMshNames};
+    case MeshFormat::kVtkHdf:
+      return {.groups = kVtkHdfNames};
     case MeshFormat::kInp:
       return {.groups = kInpNames};
     case MeshFormat::kExodus:
-      return {.groups = kExodusNames, .fields = kExodusNames};
+      return {.groups = kExodusNames, .fields = kExodusFieldNames};
     case MeshFormat::kPolyMesh:
       return {.groups = kFoamNames};
     case MeshFormat::kUsd:
@@ -152,12 +166,10 @@ std::vector<FaceLabel> face_labels_in(const MeshHeader& mesh) {
   return mesh.parts.empty() ? labels : labels_of_parts(labels, mesh.parts);
 }
 
-void tell_changes(const std::optional<NameRule>& rule,
-                  const std::vector<std::string>& names,
+void tell_changes(const std::vector<std::string>& names,
+                  const std::vector<std::string>& changed,
                   std::string_view things,
                   std::vector<std::string>& told) {
-  if (!rule) return;
-  const std::vector<std::string> changed = names_in_file(names, *rule);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (changed[i] == names[i]) continue;
     told.push_back(absl::StrCat("the file calls the ", std::string(things), " \"", names[i],
@@ -223,10 +235,16 @@ absl::Status write_mesh_file(const std::string& path,
 std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh) {
   const FormatNames rules = names_in(format);
   std::vector<std::string> told;
-  tell_changes(rules.groups, names_of(mesh.parts), "part", told);
-  tell_changes(rules.groups, distinct_names(mesh.labels), "label", told);
-  tell_changes(rules.groups, names_of(face_labels_in(mesh)), "faces", told);
-  tell_changes(rules.fields, names_of(mesh.fields), "field", told);
+  const auto tell = [&](const std::vector<std::string>& names, std::string_view things) {
+    if (rules.groups) tell_changes(names, names_in_file(names, *rules.groups), things, told);
+  };
+  tell(names_of(mesh.parts), "part");
+  tell(distinct_names(mesh.labels), "label");
+  tell(names_of(face_labels_in(mesh)), "faces");
+  if (!rules.fields) return told;
+  const std::vector<std::string> fields = names_of(mesh.fields);
+  tell_changes(fields, array_names_in_file(fields, components_of(mesh.fields), *rules.fields),
+               "field", told);
   return told;
 }
 

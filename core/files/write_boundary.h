@@ -1,6 +1,9 @@
 // The boundary of a mesh as triangles: STL, PLY and OBJ.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "core/files/block_writer.h"
 #include "core/files/file_names.h"
 #include "core/mesh/tet_mesh.h"
@@ -8,7 +11,8 @@
 namespace tet {
 
 /// What PLY calls properties and OBJ groups has no spaces.
-inline constexpr NameRule kPlyNames{.most_bytes = 80};
+inline constexpr std::array<std::string_view, 3> kPlyOwnNames{"x", "y", "z"};
+inline constexpr NameRule kPlyNames{.most_bytes = 80, .taken = kPlyOwnNames};  ///< of fields
 inline constexpr NameRule kObjNames{.most_bytes = 80};
 
 /// Binary, with normals. It has no names and no vertices, only triangles of float32

@@ -18,15 +18,12 @@ constexpr std::array<std::int32_t, 4> kExodusSides{2, 3, 1, 4};
 
 /// One for each value that a vertex has.
 std::vector<std::string> exodus_variables(const MeshHeader& mesh) {
-  // Two bytes are for what tells the components of a vector.
-  const NameRule rule{.most_bytes = kExodusNames.most_bytes - 2};
-  const std::vector<std::string> names = names_in_file(names_of(mesh.fields), rule);
+  const std::vector<std::string> names =
+      array_names_in_file(names_of(mesh.fields), components_of(mesh.fields), kExodusFieldNames);
   std::vector<std::string> variables;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (mesh.fields[i].components == 1) {
-      variables.push_back(names[i]);
-    } else {
-      for (const char* const end : {"_x", "_y", "_z"}) variables.push_back(names[i] + end);
+    for (const std::string_view ending : component_endings(mesh.fields[i].components)) {
+      variables.push_back(names[i] + std::string(ending));
     }
   }
   return variables;

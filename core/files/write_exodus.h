@@ -11,6 +11,8 @@ namespace tet {
 /// What every reader takes: the library itself has longer names only for those that ask for
 /// them.
 inline constexpr NameRule kExodusNames{.most_bytes = 32};
+/// Fields leave two bytes for what tells the components of a vector.
+inline constexpr NameRule kExodusFieldNames{.most_bytes = kExodusNames.most_bytes - 2};
 
 /// Writes an element block for each region or part that has tets, a side set and a node set for
 /// each label of faces, and fields as nodal variables of one time step; a vector becomes three,

@@ -1,6 +1,9 @@
 // Abaqus' and CalculiX' input decks (.inp): the mesh and its sets, for decks that include it.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "core/files/block_writer.h"
 #include "core/files/file_mesh.h"
 #include "core/files/file_names.h"
@@ -9,7 +12,9 @@
 namespace tet {
 
 /// Both take 80 characters and read them as capitals.
-inline constexpr NameRule kInpNames{.most_bytes = 80, .ignores_case = true};
+inline constexpr std::array<std::string_view, 2> kInpOwnNames{"eall", "nall"};
+inline constexpr NameRule kInpNames{
+    .most_bytes = 80, .ignores_case = true, .taken = kInpOwnNames};
 
 /// Writes C3D4 elements in an ELSET for each region or part, all of them in `Eall`, nodes in
 /// `Nall`, and for each label of faces a SURFACE of element faces and an NSET, in world

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_replace.h>
 
 #include "core/files/face_groups.h"
 #include "core/files/mesh_columns.h"
@@ -65,21 +64,21 @@ absl::Status check_node_numbers(const MeshHeader& header, const FileShape& shape
   return check_count(shape.nodes, kMostInt32, "vertices", ".msh with fields");
 }
 
-std::string physical_name(std::int32_t dimension, std::int32_t tag, const std::string& name) {
-  const std::string quoted = absl::StrReplaceAll(name, {{"\"", "'"}});
-  return absl::StrCat(dimension, " ", tag, " \"", quoted, "\"\n");
+/// A line for each of these groups, which are of one dimension.
+template <class Group>
+std::string physical_names(std::int32_t dimension, const std::vector<Group>& groups) {
+  const std::vector<std::string> names = names_in_file(names_of(groups), kMshNames);
+  std::string text;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    absl::StrAppend(&text, dimension, " ", groups[i].tag, " \"", names[i], "\"\n");
+  }
+  return text;
 }
 
 void write_physical_names(BlockWriter& writer, const MshGroups& groups) {
-  std::string text =
-      absl::StrCat("$PhysicalNames\n", groups.volumes.size() + groups.surfaces.size(), "\n");
-  for (const FaceGroup& surface : groups.surfaces) {
-    text += physical_name(kSurface, surface.tag, surface.name);
-  }
-  for (const TetGroup& volume : groups.volumes) {
-    text += physical_name(kVolume, volume.tag, volume.name);
-  }
-  writer.text(text + "$EndPhysicalNames\n");
+  writer.text(absl::StrCat("$PhysicalNames\n", groups.volumes.size() + groups.surfaces.size(),
+                           "\n", physical_names(kSurface, groups.surfaces),
+                           physical_names(kVolume, groups.volumes), "$EndPhysicalNames\n"));
 }
 
 /// An entity with the whole mesh's bounds, a physical group of its own, and nothing said of

@@ -9,9 +9,16 @@
 
 #include "core/files/block_writer.h"
 #include "core/files/file_mesh.h"
+#include "core/files/file_names.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
+
+/// The format lets a physical name have 127 bytes; readers fail on fewer, as they count quotes.
+inline constexpr NameRule kMshNames{.most_bytes = 120,
+                                    .letter_first = false,
+                                    .bad_characters = "\"\n\r",
+                                    .in_their_place = '\''};
 
 /// Writes the whole mesh as one volume entity, the physical volume "inside" (1). A mesh with
 /// regions becomes two, "inside" (1) and "outside" (2); one of several grids becomes a physical

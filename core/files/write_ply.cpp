@@ -29,11 +29,11 @@ std::string ply_header(const BoundaryMesh& boundary, CoordinateType type) {
     absl::StrAppend(&text, "property ", real, " ", axis, "\n");
   }
   const std::vector<FieldArray>& fields = boundary.mesh().header.fields;
-  const std::vector<std::string> names = names_in_file(names_of(fields), kPlyNames);
+  const std::vector<std::string> names =
+      array_names_in_file(names_of(fields), components_of(fields), kPlyNames);
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    const bool scalar = fields[i].components == 1;
-    for (const char* const end : scalar ? std::vector{""} : std::vector{"_x", "_y", "_z"}) {
-      absl::StrAppend(&text, "property float ", names[i], end, "\n");
+    for (const std::string_view ending : component_endings(fields[i].components)) {
+      absl::StrAppend(&text, "property float ", names[i], std::string(ending), "\n");
     }
   }
   return absl::StrCat(text, "element face ", faces.count(),

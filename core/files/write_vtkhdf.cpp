@@ -1,12 +1,12 @@
 #include "core/files/write_vtkhdf.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
-#include <absl/strings/str_replace.h>
 
 #include "core/files/hdf5_outline.h"
 #include "core/files/mesh_columns.h"
@@ -27,9 +27,11 @@ struct Layout {
 /// Which number the part of each grid has, as arrays called like the grids.
 void add_part_names(Hdf5Outline& outline, const MeshHeader& mesh) {
   outline.group("FieldData");
-  for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
-    const std::string name = absl::StrReplaceAll(mesh.parts[i].name, {{"/", "_"}});
-    outline.number(absl::StrCat("FieldData/", name), i + 1);
+  std::vector<std::string> names = names_of(mesh.parts);
+  std::ranges::replace(names, ".", "_");  // the group itself
+  names = names_in_file(names, kVtkHdfNames);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    outline.number(absl::StrCat("FieldData/", names[i]), i + 1);
   }
 }
 

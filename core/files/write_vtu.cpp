@@ -1,11 +1,13 @@
 #include "core/files/write_vtu.h"
 
 #include <string>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_replace.h>
 
 #include "core/files/mesh_columns.h"
+#include "core/mesh/label_faces.h"
 
 namespace tet {
 namespace {
@@ -54,8 +56,10 @@ std::string field_data(const MeshHeader& mesh) {
   for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
     text += named_number("Int32", mesh.parts[i].name, static_cast<std::int64_t>(i) + 1);
   }
-  for (const MeshLabel& label : mesh.labels) {
-    if (!label.name.empty()) text += named_number("Int64", label.name, label.value);
+  const std::vector<std::string> names = distinct_names(mesh.labels);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const MeshLabel& label = mesh.labels[i];
+    if (!label.name.empty()) text += named_number("Int64", names[i], label.value);
   }
   if (text.empty()) return "";
   return absl::StrCat("    <FieldData>\n", text, "    </FieldData>\n");

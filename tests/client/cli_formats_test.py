@@ -7,6 +7,7 @@ import filecmp
 import os
 import pathlib
 import re
+import subprocess
 import unittest
 
 from command_case import REFUSED, USAGE, CommandTest, binaries
@@ -88,6 +89,25 @@ class Formats(CommandTest):
                           USAGE, "--format", "med")
         self.assert_fails(self.mesh("sphere.vdb", ".med"), REFUSED, ".med", ".inp", ".xdmf")
         self.assert_fails(self.mesh("sphere.vdb", ".h5", "--format", "xdmf"), REFUSED, ".h5", ".xdmf")
+
+
+class Printed(CommandTest):
+    """What is printed may be the answer."""
+
+    def test_that_cannot_be_written_is_a_failure(self):
+        for command in (("formats",), ("--help",), ("info", self.inputs / "sphere.vdb", "--json")):
+            with self.subTest(command), open("/dev/full", "w") as full:
+                result = subprocess.run([binaries() / "tetstream", *command], stdout=full,
+                                        stderr=subprocess.PIPE, text=True, check=False)
+                self.assertEqual(result.returncode, REFUSED, result.stderr)
+                self.assertIn("No space left on device", result.stderr)
+
+    def test_report_takes_no_meshs_place(self):
+        link = self.inputs / "link.vtu"
+        link.symlink_to(self.out / "mesh.vtu")
+        for report in (self.out / "mesh.vtu", link):
+            self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--report", report), REFUSED, "mesh.vtu")
+        self.assertFalse((self.out / "mesh.vtu").exists())
 
 
 class FormatNames(CommandTest):

@@ -14,13 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The absolute path of the file behind a symbolic link, or of the path itself.
-fs::path link_target(const fs::path& path) {
-  std::error_code error;
-  fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-  return error ? path : target;
-}
-
 /// Beside `path`, and short: a name may be as long as the file system allows. No two writers,
 /// on whatever host, choose the same one.
 fs::path temporary_name(const fs::path& path, const AtomicFileStyle& style) {
@@ -31,6 +24,18 @@ fs::path temporary_name(const fs::path& path, const AtomicFileStyle& style) {
 }
 
 }  // namespace
+
+fs::path link_target(const fs::path& path) {
+  std::error_code error, not_there;
+  fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
+  // One that leads to nothing yet is a link, too.
+  constexpr int kMostLinks = 40;
+  for (int links = 0; links < kMostLinks && fs::is_symlink(target, not_there); ++links) {
+    target =
+        fs::weakly_canonical(target.parent_path() / fs::read_symlink(target, error), error);
+  }
+  return error ? path : target;
+}
 
 absl::StatusOr<AtomicFile> AtomicFile::create(const std::string& path) {
   const fs::path target = link_target(path);

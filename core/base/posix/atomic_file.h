@@ -88,6 +88,10 @@ class AtomicFile {
   bool sealed_ = false;
 };
 
+/// The absolute path of the file behind a symbolic link, or of the path itself: what a file
+/// that is created at a user's path is called.
+std::filesystem::path link_target(const std::filesystem::path& path);
+
 /// Commits two files that are of no use without each other, where readers begin with `index`:
 /// at no time does an index lie beside a body that is not its own. Both are whole on the disk
 /// before either has its name; then an older index gives way, the body comes, and the index.

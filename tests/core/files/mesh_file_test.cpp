@@ -245,6 +245,48 @@ TEST_F(MeshFileTest, OfTwoFilesIsNotCalledLikeItsSecond) {
   EXPECT_EQ(files(), 0U);
 }
 
+TEST_F(MeshFileTest, OfTwoFilesIsCalledLikeNoOtherMeshs) {
+  for (const char* const name : {"m.0.04", "m.0.05", "m"}) {
+    ASSERT_TRUE(write_mesh_file({path(name), MeshFormat::kXdmf}, {kuhn_mesh(2)}).ok());
+    EXPECT_TRUE(fs::exists(path(std::string(name) + ".h5"))) << name;
+  }
+  EXPECT_EQ(files(), 6U);
+}
+
+TEST_F(MeshFileTest, OfTwoFilesLiesWhereALinkLeads) {
+  fs::create_directories(path("runs"));
+  ASSERT_TRUE(write_mesh_file(path("runs/7.xdmf"), kuhn_mesh(2)).ok());
+  const auto size = fs::file_size(path("runs/7.h5"));
+  fs::create_symlink(path("runs/7.xdmf"), path("latest.xdmf"));
+  ASSERT_TRUE(write_mesh_file(path("latest.xdmf"), kuhn_mesh(3)).ok());
+  EXPECT_GT(fs::file_size(path("runs/7.h5")), size);
+  EXPECT_EQ(files(), 2U);  // the link, and the folder
+}
+
+TEST(FileNames, AreCutBetweenCharacters) {
+  const std::vector<std::string> names{"кость", "коса", "a\"b"};
+  EXPECT_THAT(names_in_file(names, {.most_bytes = 7,
+                                    .letter_first = false,
+                                    .bad_characters = "\"",
+                                    .in_their_place = '\''}),
+              ElementsAre("кос", "ко_2", "a'b"));
+}
+
+TEST(FileNames, AreNotThoseOfTheFormat) {
+  constexpr std::array<std::string_view, 2> kTaken{"eall", "nall"};
+  const std::vector<std::string> names{"Nall", "EALL", "nall_2"};
+  EXPECT_THAT(names_in_file(names, {.ignores_case = true, .taken = kTaken}),
+              ElementsAre("Nall_2", "EALL_2", "nall_2_2"));
+}
+
+TEST(FileNames, OfArraysAreNotThoseOfOthersComponents) {
+  constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+  const std::vector<std::string> names{"v", "v_x", "x", "v"};
+  const std::vector<std::uint32_t> components{3, 1, 1, 3};
+  EXPECT_THAT(array_names_in_file(names, components, {.taken = kAxes}),
+              ElementsAre("v", "v_x_2", "x_2", "v_2"));
+}
+
 TEST(FileNames, AreShortPlainAndOfTheirOwn) {
   const std::vector<std::string> names{
       "femur \"left\"",      "femur (left)",       "Ünder", "2nd", "",

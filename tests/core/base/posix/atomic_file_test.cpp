@@ -63,6 +63,15 @@ TEST_F(AtomicFileTest, FollowsASymbolicLink) {
   EXPECT_EQ(contents(path("elsewhere/real")), "new");
 }
 
+TEST_F(AtomicFileTest, FollowsASymbolicLinkToWhatIsNotThereYet) {
+  fs::create_symlink("next", path("link"));
+  fs::create_symlink("file", path("next"));
+  EXPECT_EQ(link_target(path("link")), fs::weakly_canonical(path("file")));
+  ASSERT_TRUE(write_text_file(path("link"), "new").ok());
+  EXPECT_TRUE(fs::is_symlink(path("link")) && fs::is_symlink(path("next")));
+  EXPECT_EQ(fs::file_size(path("file")), 3U);
+}
+
 TEST_F(AtomicFileTest, TakesAPathWithoutADirectory) {
   const fs::path before = fs::current_path();
   fs::current_path(folder_);
