@@ -32,7 +32,7 @@ before(async () => {
       export { Hdf5Group, writeHdf5 } from "./hdf5";
       export { NetcdfFile } from "./netcdf";
       export { shortFloat32, textOf } from "./file_parts";
-      export { namesInFile } from "./file_names";
+      export { columnNames, namesInFile, shortNames } from "./file_names";
       export { bytesOf } from "./drawing";` },
     bundle: true, platform: "node", format: "esm", outfile, logLevel: "error" });
   globalThis.location = { protocol: "https:", hostname: "farm.example" };  // where the page came from
@@ -66,8 +66,11 @@ function cube() {
 
 const kChunks = 4;
 
-/** The cube as a mesh of some chunks: of one side, of both, with labels, or of two grids. `each` is called after every chunk. */
-function meshOf(kind, each = () => {}) {
+/**
+ * The cube as a mesh of some chunks: of one side, of both, with labels, or of two grids. `each` is called after every chunk,
+ * and `names` are put in place of the header's own.
+ */
+function meshOf(kind, each = () => {}, names = {}) {
   const { points, tets, halves } = cube();
   const vertices = points.length / 3, count = tets.length / 4;
   const header = page.create(page.MeshHeaderSchema, {
@@ -78,7 +81,7 @@ function meshOf(kind, each = () => {}) {
     labels: kind === "labels" ? [{ value: 4n, name: "bone" }, { value: 7n, name: "" }] : [],
     parts: kind !== "parts" ? [] : ["low", "high"].map((name, i) =>
       ({ name, firstTet: BigInt((count / 2) * i), tetCount: BigInt(count / 2) })),
-    fields: [{ name: "heat", components: 1 }, { name: "flow", components: 3 }] });
+    fields: [{ name: "heat", components: 1 }, { name: "flow", components: 3 }], ...names });
   const mesh = new page.TetMesh(header, Infinity);
   for (let c = 0; c < kChunks; ++c) {
     const [v, nextV] = [c, c + 1].map((i) => Math.floor((vertices * i) / kChunks));
@@ -268,6 +271,43 @@ describe("text in files", () => {
   it("has names of letters, digits and underscores, no two alike", () => {
     assert.deepEqual(page.namesInFile(["a/b", "a b", "1x", "A_B"], { ignoresCase: true }), ["a_b", "a_b_2", "n1x", "A_B_3"]);
     assert.deepEqual(page.namesInFile(["a", "A", "é"]), ["a", "A", "n_"]);
+    assert.deepEqual(page.namesInFile(["nALL", "nall_2", "all"], { ignoresCase: true, taken: ["Nall"] }),
+      ["nALL_2", "nall_2_2", "all"]);
+  });
+
+  it("has names that are cut where a character ends, no two alike", () => {
+    const long = "é".repeat(70);  // 140 bytes
+    assert.deepEqual(page.shortNames(["b", long, long, "b", "b_2", `x${long}`, `${long}\u{1f600}`], 120),
+      ["b", "é".repeat(60), `${"é".repeat(59)}_2`, "b_2", "b_2_2", `x${"é".repeat(59)}`, `${"é".repeat(59)}_3`]);
+    assert.deepEqual(page.shortNames(["\ufeffa\u{1f600}", "a\u{1f600}"], 7), ["\ufeffa", "a\u{1f600}"]);
+  });
+
+  it("has columns of fields no two of which are alike, once they tell components", () => {
+    const fields = (...list) => list.map(([name, components]) => ({ name, components }));
+    assert.deepEqual(page.columnNames(fields(["v", 3], ["v_x", 1], ["x", 1], ["v", 3]), { taken: ["x"] }),
+      [["v_x", "v_y", "v_z"], ["v_x_2"], ["x_2"], ["v_2_x", "v_2_y", "v_2_z"]]);
+    assert.deepEqual(page.columnNames(fields(["v_y", 1], ["v", 3])), [["v_y"], ["v_2_x", "v_2_y", "v_2_z"]]);
+    assert.deepEqual(page.columnNames(fields(["abcdef", 1], ["abcdeg", 1]), { mostBytes: 5 }), [["abcde"], ["abc_2"]]);
+  });
+
+  it("has names in files that the formats do not have for themselves", async () => {
+    const long = "ü".repeat(100), mesh = meshOf("labels", undefined, {
+      labels: [{ value: 1n, name: "NALL" }, { value: 2n, name: `a"\n${long}` }],
+      fields: [{ name: "v", components: 3 }, { name: "v_x", components: 1 }] });
+    const textOf = async (ending) => Buffer.from(await page.fileOf(mesh, ending).arrayBuffer()).toString("utf8");
+    const inp = await textOf("inp");
+    assert.match(inp, /^\*ELEMENT, TYPE=C3D4, ELSET=NALL_2$/m);
+    assert.match(inp, /^\*\* ELSET NALL_2: NALL$/m);
+    const properties = [...(await textOf("ply")).matchAll(/^property float (.*)$/gm)].map(([, name]) => name);
+    assert.deepEqual(properties, ["x", "y", "z", "v_x", "v_y", "v_z", "v_x_2"]);
+    assert.match(await textOf("exo"), /v_x\0+v_y\0+v_z\0+v_x_2\0/);
+    const groupsOf = (msh) => [...msh.matchAll(/^([23]) \d+ "(.*)"$/gm)].map(([, dimension, name]) => dimension + name);
+    const cut = `a''${"ü".repeat(58)}`;
+    assert.deepEqual(groupsOf(await textOf("msh")),
+      ["2NALL_surface", `2NALL_a''${"ü".repeat(56)}`, `2${cut}`, "3NALL", `3${cut}`]);
+    mesh.header.labels = [];
+    mesh.header.parts = [{ name: "", firstTet: 0n }, { name: "n", firstTet: 3000n }];
+    assert.deepEqual(groupsOf(await textOf("msh")), ["2_surface", "2n_surface", "3n", "3n_2"]);
   });
 });
 

@@ -1,6 +1,6 @@
 // Exodus II, .exo, as core/files/write_exodus.cpp writes it: byte for byte the same.
 import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
-import { namesInFile } from "./file_names";
+import { columnNames, namesInFile } from "./file_names";
 import type { FileParts } from "./file_parts";
 import { fieldsOf, valuesOf } from "./mesh_columns";
 import { bigEndian, floatAttribute, intAttribute, NetcdfFile, textAttribute } from "./netcdf";
@@ -180,9 +180,9 @@ class ExodusFile {
     const fields = fieldsOf(header);
     if (fields.length === 0) return;
     // Two bytes are for what tells the components of a vector.
-    const own = namesInFile(fields.map(({ name }) => name), { mostBytes: kMostNameBytes - 2 });
-    const values = fields.flatMap((field, i) => (field.components === 1 ? [""] : ["_x", "_y", "_z"]).map((end, c) =>
-      ({ name: own[i]! + end, one: { ...field, components: 1, at: field.at + c } })));
+    const names = columnNames(fields, { mostBytes: kMostNameBytes - 2 });
+    const values = fields.flatMap((field, i) => names[i]!.map((name, c) =>
+      ({ name, one: { ...field, components: 1, at: field.at + c } })));
     this.names("name_nod_var", netcdf.dimension("num_nod_var", values.length), values.map(({ name }) => name));
     values.forEach(({ one }, i) => netcdf.variable(`vals_nod_var${i + 1}`, this.real, [this.step, this.nodes],
       (to) => store.forEach((columns) => to.bytes(bigEndian(Real.from(valuesOf(one, columns)))))));

@@ -8,6 +8,8 @@ import { forEachPoints, isWide } from "./world_points";
 
 /** The face opposite each corner of a C3D4. */
 const kFaces = ["S3", "S4", "S2", "S1"];
+/** Sets of all nodes and of all elements are the file's own. */
+const kNames = { ignoresCase: true, taken: ["Nall", "Eall"] };
 
 function renamed(what: string, names: string[], real: string[]): string {
   return names.map((name, i) => (name === real[i] ? "" : `** ${what} ${name}: ${inComment(real[i]!)}\n`)).join("");
@@ -18,8 +20,7 @@ export function writeInp(mesh: TetMesh, file: FileParts): void {
   const wide = isWide(header);
   const groups = tetGroups(header), surfaces = faceGroups(mesh);
   const counts = countGroups(groups, (use) => store.forEach(use));
-  const sets = namesInFile(groups.names, { ignoresCase: true }), names = namesInFile(surfaces.map(({ name }) => name),
-    { ignoresCase: true });
+  const sets = namesInFile(groups.names, kNames), names = namesInFile(surfaces.map(({ name }) => name), kNames);
   file.text(`*HEADING\n${store.vertices} nodes, ${header.tetCount} elements, written by tetstream\n` +
     renamed("ELSET", sets, groups.names) + renamed("SURFACE", names, surfaces.map(({ name }) => name)));
   file.text("*NODE, NSET=Nall\n");

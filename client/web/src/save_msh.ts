@@ -1,20 +1,30 @@
 // Gmsh's .msh 4.1, binary, as core/files/write_msh.cpp writes it: all is in physical groups.
 import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
+import { shortNames } from "./file_names";
 import type { FileParts } from "./file_parts";
-import { countGroups, tetGroups } from "./tet_groups";
+import { countGroups, tetGroups, type TetGroups } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints } from "./world_points";
 
 const kSurface = 2, kVolume = 3, kTriangle = 2, kTet = 4;
+// The format has names of at most 127 bytes, and readers fail on more.
+const kMostNameBytes = 120;
 
 /** Unsigned numbers of eight bytes, all below 2^32. */
 function wide(...numbers: number[]): Uint32Array {
   return Uint32Array.from(numbers.flatMap((number) => [number, 0]));
 }
 
-function writeNames(file: FileParts, entities: [number, number, string][]): void {
-  file.text(`$PhysicalNames\n${entities.length}\n` + entities.map(([dimension, tag, name]) =>
-    `${dimension} ${tag} "${name.replace(/"/g, "'")}"\n`).join("") + "$EndPhysicalNames\n");
+/** Lines that name the physical groups of one dimension: quoted, each on its own line, none empty. */
+function nameLines(dimension: number, tags: number[], names: string[]): string {
+  const short = shortNames(names.map((name) => name.replace(/["\n\r]/g, "'") || "n"), kMostNameBytes);
+  return tags.map((tag, i) => `${dimension} ${tag} "${short[i]}"\n`).join("");
+}
+
+function writeNames(file: FileParts, surfaces: FaceGroup[], volumes: TetGroups): void {
+  file.text(`$PhysicalNames\n${surfaces.length + volumes.tags.length}\n` +
+    nameLines(kSurface, surfaces.map(({ tag }) => tag), surfaces.map(({ name }) => name)) +
+    nameLines(kVolume, volumes.tags, volumes.names) + "$EndPhysicalNames\n");
 }
 
 function writeEntities(mesh: TetMesh, file: FileParts, surfaces: number[], volumes: number[]): void {
@@ -101,8 +111,7 @@ export function writeMsh(mesh: TetMesh, file: FileParts): void {
   file.text("$MeshFormat\n4.1 1 8\n");
   file.bytes(Int32Array.of(1));  // tells a reader the byte order
   file.text("\n$EndMeshFormat\n");
-  writeNames(file, [...surfaces.map(({ tag, name }) => [kSurface, tag, name] as [number, number, string]),
-    ...groups.names.map((name, i) => [kVolume, groups.tags[i]!, name] as [number, number, string])]);
+  writeNames(file, surfaces, groups);
   writeEntities(mesh, file, surfaces.map(({ tag }) => tag), groups.tags);
   writeNodes(mesh, file, groups.tags[0]!);
   file.text("$Elements\n");

@@ -1,6 +1,6 @@
 // The surface alone: .stl, .obj and .ply, as core/files writes them.
 import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
-import { inComment, namesInFile } from "./file_names";
+import { columnNames, inComment, namesInFile } from "./file_names";
 import { shortFloat32, type FileParts } from "./file_parts";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints, isWide, type WorldPoints } from "./world_points";
@@ -91,13 +91,12 @@ export function writePly(mesh: TetMesh, file: FileParts): void {
   const { header, store } = mesh;
   const groups = faceGroups(mesh), vertices = new SurfaceVertices(mesh, groups);
   const wide = isWide(header), bytes = wide ? 8 : 4;
-  const names = namesInFile(header.fields.map(({ name }) => name));
-  const properties = header.fields.flatMap(({ components }, i) =>
-    (components === 1 ? [""] : ["_x", "_y", "_z"]).map((end) => `property float ${names[i]}${end}\n`));
+  const axes = ["x", "y", "z"];
+  const properties = columnNames(header.fields, { taken: axes }).flat().map((name) => `property float ${name}\n`);
   file.text("ply\nformat binary_little_endian 1.0\ncomment written by tetstream\n" +
     groups.map(({ tag, name }) => `comment label ${tag} ${inComment(name)}\n`).join("") +
     `element vertex ${vertices.count}\n` +
-    ["x", "y", "z"].map((axis) => `property ${wide ? "double" : "float"} ${axis}\n`).join("") + properties.join("") +
+    axes.map((axis) => `property ${wide ? "double" : "float"} ${axis}\n`).join("") + properties.join("") +
     `element face ${groups.reduce((sum, { faces }) => sum + faces.length, 0)}\n` +
     "property list uchar int vertex_indices\nproperty ushort label\nend_header\n");
   const origin = [header.origin?.x ?? 0, header.origin?.y ?? 0, header.origin?.z ?? 0];
