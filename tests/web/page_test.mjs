@@ -127,6 +127,13 @@ part("Cuts", () => {
     for (const colour of ["level", "region", "angle"]) await page.selectOption("#colour", colour);
     await page.locator("#canvas").focus();
     await page.keyboard.press("ArrowLeft");
+    // What the browser has a use for is its own.
+    const isTaken = (key, more) => page.evaluate(([key, more]) => !document.getElementById("canvas").dispatchEvent(
+      new KeyboardEvent("keydown", { key, cancelable: true, ...more })), [key, more]);
+    assert.ok(await isTaken("+", {}));
+    for (const modifier of ["ctrlKey", "metaKey", "altKey"]) {
+      for (const key of ["+", "-", "ArrowLeft"]) assert.ok(!(await isTaken(key, { [modifier]: true })), `${modifier} ${key}`);
+    }
     await page.locator("#worst button").first().click();
     assert.deepEqual(page.errors, []);
   });

@@ -106,6 +106,7 @@ export class Viewer {
   }
 
   private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;  // the browser's own
     const turns: Record<string, [number, number]> = {
       ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12], ArrowDown: [0, 0.12] };
     const offset = this.camera.position.clone().sub(this.controls.target);
