@@ -144,14 +144,24 @@ part("Marks", () => {
 
   it("marks where the surface is no manifold", async () => {
     const rough = makeFixture(held.folder, "random-signs", 0.1);
-    const page = await held.browser.open(held.server.url);
+    const wire = await new HeldWire().start(held.server);
+    const page = await held.browser.open(wire.url);
     await page.setInputFiles("#file", rough);
     await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
     await setSpacing(page, 1);
     await mesh(page);
     assert.match(await page.textContent("#quality"), /non-manifold spots/);
     await until(page, () => Number(document.getElementById("canvas").dataset.marks) > 0);
+    // Of the surface, and of what marks it, which goes with the mesh.
+    await until(page, () => Number(document.getElementById("canvas").dataset.geometries) > 1);
+    wire.hold(0);
+    await page.click("#go");
+    await until(page, () => Number(document.getElementById("canvas").dataset.geometries) === 1);
+    wire.release();
+    await meshIsDone(page);
+    await until(page, () => Number(document.getElementById("canvas").dataset.geometries) > 1);
     assert.deepEqual(page.errors, []);
+    wire.close();
   });
 });
 

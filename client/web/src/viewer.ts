@@ -42,7 +42,7 @@ export class Viewer {
 
   clear(): void {
     this.mesh.visible = false;
-    this.marks.clear();
+    this.clearMarks();
     this.draw();
   }
 
@@ -76,9 +76,18 @@ export class Viewer {
     taken?.();
   }
 
+  /** Three.js keeps what it has of a mark until it is told that nobody wants it. */
+  private clearMarks(): void {
+    for (const mark of this.marks.children as LineSegments<BufferGeometry, LineBasicMaterial>[]) {
+      mark.geometry.dispose();
+      mark.material.dispose();
+    }
+    this.marks.clear();
+  }
+
   /** Marks what deserves a look: boxes, and lines by their ends. Seen through the surface. */
   mark(boxes: [number[], number[]][], ends: Float32Array): void {
-    this.marks.clear();
+    this.clearMarks();
     for (const [low, high] of boxes) {
       this.marks.add(new Box3Helper(new Box3(new Vector3(...low), new Vector3(...high)), 0xe8a000));
     }
@@ -159,6 +168,7 @@ export class Viewer {
     this.canvas.dataset["drawn"] = String(this.mesh.visible ? triangles : 0);
     this.canvas.dataset["frames"] = String(++this.frames);
     this.canvas.dataset["calls"] = String(calls);
+    this.canvas.dataset["geometries"] = String(this.renderer.info.memory.geometries);
     this.canvas.dataset["drawMs"] = this.last.ms.toFixed(1);
   }
 }
