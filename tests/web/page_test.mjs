@@ -7,7 +7,7 @@ import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { it } from "node:test";
-import { axeSource, binary, difference, drawn, HeldWire, makeFixture, meshIs, until } from "./browser_case.mjs";
+import { axeSource, binary, difference, drawn, HeldWire, kGenerousEnd, makeFixture, meshIs, until } from "./browser_case.mjs";
 import { chooseBall, isDrawing, makeBunny, mesh, meshIsDone, part, setSpacing, stage, triangles } from "./page_steps.mjs";
 
 /** A box from the origin to `high` as binary STL, without its first triangles. */
@@ -348,6 +348,39 @@ part("Lives", () => {
     await page.click('nav a[href="#jobs"]');
     await page.click('nav a[href="#server"]');
     await until(page, () => Number(document.getElementById("plots").dataset.minutes) < 60);
+    assert.deepEqual(page.errors, []);
+  });
+
+  it("draws its plots in the colours of the moment, and as wide as there is room", async () => {
+    const page = await held.browser.open(held.server.url + "#server", { deviceScaleFactor: 1 });
+    await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));
+    /** How bright the numbers beside a plot's axes are: they are grey, and less transparent than the axes' lines. */
+    const brightness = () => page.evaluate(() => {
+      const canvas = document.querySelector("#plots canvas");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      let sum = 0, weight = 0;
+      for (let i = 0; i < data.length; i += 4) {
+        const [red, green, blue, opacity] = data.subarray(i, i + 4);
+        if (opacity < 120 || Math.max(red, green, blue) - Math.min(red, green, blue) > 40) continue;
+        sum += red;
+        ++weight;
+      }
+      return weight > 0 ? sum / weight : -1;
+    });
+    const reaches = async (isSo) => {
+      const end = Date.now() + kGenerousEnd;
+      while (!isSo(await brightness())) assert.ok(Date.now() < end, `${await brightness()}`);
+    };
+    await reaches((now) => now > 180);
+    await page.emulateMedia({ colorScheme: "light" });
+    await reaches((now) => now >= 0 && now < 80);
+    assert.equal(await page.locator("#plots .uplot").count(), 9);
+    for (const width of [390, 1000]) {
+      await page.setViewportSize({ width, height: 844 });
+      await until(page, () => [...document.querySelectorAll("#plots .plot")].every((box) =>
+        Math.abs(box.clientWidth - 16 - box.querySelector(".uplot").clientWidth) <= 1));
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${width}`);
+    }
     assert.deepEqual(page.errors, []);
   });
 

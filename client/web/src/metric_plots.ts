@@ -40,6 +40,13 @@ function rangeOf(times: number[]): [number, number] {
   return [Math.min(times[0] ?? end, end - kLeastSeconds), end];
 }
 
+// Pixels: a plot's height, its least width, and what its box keeps for its own edges.
+const kHeight = 180, kLeastWidth = 200, kEdges = 16;
+
+function widthIn(box: Element): number {
+  return Math.max(box.clientWidth - kEdges, kLeastWidth);
+}
+
 /** A colour of the style sheet as a canvas takes it. */
 function resolved(name: string, beside: HTMLElement): string {
   const probe = made("span", "", beside);
@@ -54,6 +61,12 @@ export class MetricPlots {
   private values: (number | null)[][][] = [];
   private plots: uPlot[] = [];
   private previous?: Samples;
+
+  constructor() {
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.remake());
+    // A plot's new size must not change the size of what is observed while that is told.
+    new ResizeObserver(() => requestAnimationFrame(() => this.fit())).observe(element("plots"));
+  }
 
   /** Begins anew, with no samples. */
   clear(): void {
@@ -89,6 +102,22 @@ export class MetricPlots {
     element("plots").dataset["minutes"] = String(Math.round((last - first) / 60));
   }
 
+  /** Makes the plots anew: their axes, lines and legends have the colours of the moment in which they were made. */
+  private remake(): void {
+    if (this.plots.length === 0) return;
+    for (const plot of this.plots.splice(0)) plot.destroy();
+    element("plots").replaceChildren();
+    this.draw();
+  }
+
+  /** Makes each plot as wide as its box has room for, where it is seen. */
+  private fit(): void {
+    for (const plot of this.plots) {
+      const width = widthIn(plot.root.parentElement!);
+      if (width !== plot.width && plot.root.clientWidth > 0) plot.setSize({ width, height: kHeight });
+    }
+  }
+
   private make(plot: Plot): uPlot {
     const box = made("div", "", element("plots"));
     box.className = "plot";
@@ -97,8 +126,8 @@ export class MetricPlots {
     const axis = { stroke: style.color, grid: { stroke: "#8884" }, ticks: { stroke: "#8884" } };
     return new uPlot({
       title: plot.title,
-      width: Math.max(box.clientWidth - 16, 200),
-      height: 180,
+      width: widthIn(box),
+      height: kHeight,
       scales: { x: { range: () => rangeOf(this.times) } },
       axes: [axis, { ...axis, size: 70, values: plot.bytes ? (_, ticks) => ticks.map((t) => sizeOf(t)) : undefined }],
       series: [{}, ...plot.names.map((label, i) => ({ label, stroke: colours[i], width: 2 }))],
