@@ -384,6 +384,45 @@ part("Lives", () => {
     assert.deepEqual(page.errors, []);
   });
 
+  it("lists jobs page by page", async () => {
+    // Pages of few: the page asks for hundreds, and each number is as many bytes as it was.
+    const page = await held.browser.open("about:blank");
+    const few = async (method, number) => page.route(`**/tetstream.v1.${method}`, (route) => {
+      const body = route.request().postDataBuffer();
+      const at = body.indexOf(Buffer.from(number));
+      assert.ok(at > 0, body.toString("hex"));
+      body.set([0x81, 0x00], at + 1);  // 1
+      return route.continue({ postData: body });
+    });
+    await few("JobService/ListJobs", [0x10, 0xc8, 0x01]);  // page_size = 200
+    const put = async (bytes) => {
+      const sha256 = createHash("sha256").update(bytes).digest("hex");
+      const answer = await fetch(`${held.server.url}v1/grids/${sha256}`, { method: "PUT", body: bytes });
+      assert.ok(answer.ok, await answer.text());
+      return `grids/${sha256}`;
+    };
+    const grid = await put(stl([1, 1, 1]));
+    for (const displayName of ["one", "two", "three"]) {
+      const answer = await fetch(`${held.server.url}v1/jobs`, { method: "POST", headers: { "Content-Type": "application/json" },
+        body: JSON.stringify({ job: { displayName, mesh: { name: grid, spacing: 0.5 } } }) });
+      // What has ended is told by its page alone.
+      await (await fetch(`${held.server.url}v1/${(await answer.json()).name}:wait`)).json();
+    }
+    const names = (await (await fetch(`${held.server.url}v1/jobs`)).json()).jobs.map(({ name }) => name);
+    const rows = (count) => until(page, (count) => document.querySelectorAll("#job-rows tr").length === count, count);
+    await page.goto(held.server.url + "#jobs");
+    for (let count = 1; count < names.length; ++count) {
+      await rows(count);
+      assert.match(await page.textContent("#older"), new RegExp(`${count} jobs are listed, and there are older ones`));
+      await page.click("#older-jobs");
+    }
+    await rows(names.length);
+    await until(page, () => document.getElementById("older").hidden);
+    const shown = await page.locator("#job-rows tr").evaluateAll((lines) => lines.map((line) => line.dataset.job));
+    assert.deepEqual(shown, names);
+    assert.deepEqual(page.errors, []);
+  });
+
   it("finds a server again that was killed", async () => {
     const page = await held.browser.open(held.server.url + "#jobs");
     await until(page, () => document.getElementById("watch-state").textContent === "live");

@@ -3,17 +3,23 @@ import { create } from "@bufbuild/protobuf";
 import { EmptySchema } from "@bufbuild/protobuf/wkt";
 import { CancelJobRequestSchema, DeleteJobRequestSchema, GetJobRequestSchema, JobChange, JobEventSchema, JobSchema,
   JobState, ListJobsRequestSchema, ListJobsResponseSchema, RetryJobRequestSchema, WatchJobsRequestSchema,
-  type Job } from "../generated/tetstream/v1/jobs_pb";
+  type Job, type ListJobsResponse } from "../generated/tetstream/v1/jobs_pb";
 import { alertOf, count, element, explain, fillRow, keptRows, made, options } from "./page";
 import { kOutOfRange, RpcError, stream, unary } from "./rpc";
 import { shardsOf } from "./shard_bar";
 
 // How long until a watch that broke is taken up; doubled each time, up to the second.
 const kRetryMs = 500, kMostRetryMs = 10_000;
+// So many jobs are listed at first, and more each time that older ones are asked for.
+const kPageSize = 200;
 
 export class JobsView {
   private jobs = new Map<string, Job>();
   private watching?: AbortController;
+  /** Where the jobs begin that are older than those that are listed; empty where there are none. */
+  private older = "";
+  // What is deleted while a list comes is in it.
+  private readonly deleted = new Set<string>();
 
   constructor(private readonly show: (job: string, save: boolean) => void) {
     const states = element<HTMLSelectElement>("job-state");
@@ -22,6 +28,10 @@ export class JobsView {
     }
     element("job-filter").addEventListener("submit", (event) => event.preventDefault());
     for (const id of ["job-state", "job-label"]) element(id).addEventListener("input", () => this.draw());
+    element("older-jobs").addEventListener("click", () => {
+      alertOf("");
+      this.listOlder().catch((error) => alertOf(explain(error)));
+    });
   }
 
   open(): void {
@@ -45,7 +55,7 @@ export class JobsView {
           options({ signal: mine.signal }))) {
           revision = event.revision;
           wait = kRetryMs;
-          if (event.change === JobChange.DELETED) this.jobs.delete(event.name);
+          if (event.change === JobChange.DELETED) this.forget(event.name);
           else await this.fetch(event.name, mine.signal);
           this.draw();
         }
@@ -59,12 +69,37 @@ export class JobsView {
     }
   }
 
+  private page(signal: AbortSignal, pageToken = ""): Promise<ListJobsResponse> {
+    return unary("JobService/ListJobs", ListJobsRequestSchema,
+      create(ListJobsRequestSchema, { pageSize: kPageSize, pageToken }), ListJobsResponseSchema, options({ signal }));
+  }
+
   private async list(signal: AbortSignal): Promise<bigint> {
-    const answer = await unary("JobService/ListJobs", ListJobsRequestSchema,
-      create(ListJobsRequestSchema, { pageSize: 200 }), ListJobsResponseSchema, options({ signal }));
+    const answer = await this.page(signal);
     this.jobs = new Map(answer.jobs.map((job) => [job.name, job]));
+    this.older = answer.nextPageToken;
     this.draw();
     return answer.revision;
+  }
+
+  /** Adds the next page of jobs. What the watch has told of one of them meanwhile is newer. */
+  private async listOlder(): Promise<void> {
+    const watch = this.watching, from = this.older;
+    if (!watch || !from) return;
+    try {
+      const answer = await this.page(watch.signal, from);
+      if (watch.signal.aborted || this.older !== from) return;
+      for (const job of answer.jobs) if (!this.jobs.has(job.name) && !this.deleted.has(job.name)) this.jobs.set(job.name, job);
+      this.older = answer.nextPageToken;
+      this.draw();
+    } catch (error) {
+      if (!watch.signal.aborted) throw error;
+    }
+  }
+
+  private forget(name: string): void {
+    this.jobs.delete(name);
+    this.deleted.add(name);
   }
 
   private async fetch(name: string, signal: AbortSignal): Promise<void> {
@@ -73,7 +108,7 @@ export class JobsView {
         JobSchema, options({ signal })));
     } catch (error) {
       if (!(error instanceof RpcError) || error.reason !== "JOB_NOT_FOUND") throw error;
-      this.jobs.delete(name);  // deleted before we asked
+      this.forget(name);  // deleted before we asked
     }
   }
 
@@ -88,6 +123,8 @@ export class JobsView {
     const shown = [...this.jobs.values()].filter((job) => this.wanted(job)).sort((a, b) => (a.name < b.name ? 1 : -1));
     const lines = keptRows(element("job-rows"), shown.map((job) => job.name));
     shown.forEach((job, i) => this.tell(job, lines[i]!));
+    element("older").hidden = !this.older;
+    element("job-count").textContent = `${count(this.jobs.size)} jobs are listed, and there are older ones`;
   }
 
   private tell(job: Job, line: HTMLTableRowElement): void {
