@@ -164,7 +164,8 @@ export class Browser {
     return this;
   }
 
-  async open(url, options = {}) {
+  /** Opens a page; `before` runs in it before anything of its own does. */
+  async open(url, { before, ...options } = {}) {
     const context = await this.browser.newContext({
       viewport: { width: 1280, height: 900 }, deviceScaleFactor: kScale, colorScheme: "dark", ...options });
     this.contexts.push(context);
@@ -172,6 +173,7 @@ export class Browser {
     const page = await context.newPage();
     page.requested = [];
     page.errors = [];
+    if (before) await page.addInitScript(before);
     page.on("request", (request) => page.requested.push(request.url()));
     page.on("pageerror", (error) => page.errors.push(String(error)));
     page.on("console", (message) => {
@@ -215,6 +217,25 @@ export async function until(page, said, argument) {
 /** Waits until what the page says of its mesh is one of these. */
 export function meshIs(page, ...states) {
   return until(page, (wanted) => wanted.includes(document.body.dataset.mesh), states);
+}
+
+/**
+ * Holds the calls of a method in a page. `next()` waits for the next of them, which goes on when its route says so, and
+ * whose `over` is kept once it has ended in whatever way.
+ */
+export async function holdCalls(page, method) {
+  const held = [], waiting = [], ends = new Map();
+  for (const event of ["requestfinished", "requestfailed"]) page.on(event, (request) => ends.get(request)?.());
+  await page.route(`**/tetstream.v1.${method}`, (route) => {
+    const over = new Promise((done) => ends.set(route.request(), done));
+    const call = { route, over };
+    if (waiting.length > 0) waiting.shift()(call);
+    else held.push(call);
+  });
+  return {
+    next: () => held.length > 0 ? held.shift() : new Promise((done) => waiting.push(done)),
+    letGo: () => page.unroute(`**/tetstream.v1.${method}`),
+  };
 }
 
 /** Waits until what the worker made last is on the canvas. */

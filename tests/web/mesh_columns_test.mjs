@@ -6,20 +6,21 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { after, before, describe, it } from "node:test";
+import { after, before, beforeEach, describe, it } from "node:test";
 import { pathToFileURL } from "node:url";
 
 const modules = process.env.PAGE_MODULES;
 const here = import.meta.dirname ?? new URL(".", import.meta.url).pathname;
 const folder = mkdtempSync(join(tmpdir(), "tetstream-columns-"));
 let page;
+let build;
 
 before(async () => {
-  const { build } = createRequire(join(modules, "package.json"))("esbuild");
+  ({ build } = createRequire(join(modules, "package.json"))("esbuild"));
   const outfile = join(folder, "page.mjs");
   await build({
     stdin: { resolveDir: join(modules, "src"), loader: "ts", contents: `
-      export { create } from "@bufbuild/protobuf";
+      export { create, toBinary } from "@bufbuild/protobuf";
       export * from "../generated/tetstream/v1/meshes_pb";
       export { TetMesh } from "./tet_mesh";
       export { twinsOf } from "./twins";
@@ -67,10 +68,10 @@ function cube() {
 const kChunks = 4;
 
 /**
- * The cube as a mesh of some chunks: of one side, of both, with labels, or of two grids. `each` is called after every chunk,
- * and `names` are put in place of the header's own.
+ * The cube as a header and some chunks: of one side, of both, with labels, or of two grids. `names` are put in place of the
+ * header's own.
  */
-function meshOf(kind, each = () => {}, names = {}) {
+function messagesOf(kind, names = {}) {
   const { points, tets, halves } = cube();
   const vertices = points.length / 3, count = tets.length / 4;
   const header = page.create(page.MeshHeaderSchema, {
@@ -82,19 +83,28 @@ function meshOf(kind, each = () => {}, names = {}) {
     parts: kind !== "parts" ? [] : ["low", "high"].map((name, i) =>
       ({ name, firstTet: BigInt((count / 2) * i), tetCount: BigInt(count / 2) })),
     fields: [{ name: "heat", components: 1 }, { name: "flow", components: 3 }], ...names });
-  const mesh = new page.TetMesh(header, Infinity);
-  for (let c = 0; c < kChunks; ++c) {
+  const chunks = Array.from({ length: kChunks }, (_, c) => {
     const [v, nextV] = [c, c + 1].map((i) => Math.floor((vertices * i) / kChunks));
     const [t, nextT] = [c, c + 1].map((i) => Math.floor((count * i) / kChunks));
     const labels = halves.slice(t, nextT);
     const fields = Float32Array.from({ length: (nextV - v) * 4 }, (_, i) => v + i / 4);
-    mesh.add(page.create(page.MeshChunkSchema, {
+    return page.create(page.MeshChunkSchema, {
       index: BigInt(c), firstVertex: BigInt(v), vertexCount: BigInt(nextV - v), firstTet: BigInt(t), tetCount: BigInt(nextT - t),
       positions: bytes(Float32Array.from(points.slice(3 * v, 3 * nextV))), fields: bytes(fields),
       tets: bytes(Uint32Array.from(tets.slice(4 * t, 4 * nextT))),
       regions: kind === "regions" ? Uint8Array.from(labels)
-        : kind === "labels" ? bytes(Uint16Array.from(labels, (half) => half - 1)) : new Uint8Array() }));
-    each(mesh, nextV);
+        : kind === "labels" ? bytes(Uint16Array.from(labels, (half) => half - 1)) : new Uint8Array() });
+  });
+  return { header, chunks };
+}
+
+/** The cube as a mesh; `each` is called after every chunk. */
+function meshOf(kind, each = () => {}, names = {}) {
+  const { header, chunks } = messagesOf(kind, names);
+  const mesh = new page.TetMesh(header, Infinity);
+  for (const chunk of chunks) {
+    mesh.add(chunk);
+    each(mesh);
   }
   mesh.finish();
   return mesh;
@@ -257,6 +267,127 @@ describe("a set of faces", () => {
     assert.ok(tally.most < 30 * faces.count, `${tally.most} bytes for ${faces.count} faces`);
     faces.free();
     assert.equal(tally.now, 0);
+  });
+
+  it("takes none once it is freed, and does not look for a place for it for ever", () => {
+    const faces = new page.FaceSet(new page.Tally());
+    faces.toggle(1, 2, 3, 0);
+    faces.free();
+    assert.throws(() => faces.toggle(1, 2, 3, 0), /a face came after the set of faces was freed/);
+    assert.equal(faces.count, 0);
+  });
+});
+
+describe("the worker", () => {
+  let told, answers;
+
+  before(async () => {
+    const outfile = join(folder, "worker.mjs");
+    await build({ entryPoints: [join(modules, "src/mesh_worker.ts")], bundle: true, platform: "node", format: "esm", outfile,
+      logLevel: "error" });
+    globalThis.self = { postMessage: (message) => told.push(message) };
+    globalThis.fetch = async (_url, { signal }) => new Response(new ReadableStream({
+      start: (answer) => {
+        answers.push(answer);
+        signal.addEventListener("abort", () => answer.error(signal.reason));
+      } }));
+    await import(pathToFileURL(outfile));
+  });
+  beforeEach(() => ((told = []), (answers = [])));
+
+  const order = (run, kind, more = {}) => self.onmessage({ data: { run, kind, ...more } });
+  const start = (run) => order(run, "start", { method: "MeshService/StreamMesh", request: new Uint8Array(), token: "", mostTets: 1e9 });
+
+  const kGenerousMs = 60_000;
+
+  /** Waits until something is so, and returns it. */
+  async function comes(what, look) {
+    for (const end = Date.now() + kGenerousMs; ;) {
+      const found = look();
+      if (found) return found;
+      assert.ok(Date.now() < end, `${what} never came; told: ${told.map(({ run, kind }) => `${run} ${kind}`)}`);
+      await new Promise((done) => setImmediate(done));
+    }
+  }
+
+  /** Waits until the worker has told something of a run. */
+  const says = (run, kind) => comes(`${kind} of ${run}`, () => told.find((one) => one.run === run && one.kind === kind));
+
+  /** Waits until the worker has an answer's stream, and gives it events. */
+  async function send(number, ...events) {
+    await comes(`call ${number}`, () => answers.length > number);
+    for (const event of events) {
+      const message = page.toBinary(page.MeshEventSchema, page.create(page.MeshEventSchema, { event }));
+      const frame = Buffer.alloc(5 + message.length);
+      frame.writeUInt32BE(message.length, 1);
+      frame.set(message, 5);
+      answers[number].enqueue(new Uint8Array(frame));
+    }
+    await comes("the last event's reader", () => answers[number].desiredSize === 1);
+  }
+
+  const events = () => {
+    const { header, chunks } = messagesOf("plain");
+    return { header: { case: "header", value: header }, chunks: chunks.map((value) => ({ case: "chunk", value })),
+      trailer: { case: "trailer", value: page.create(page.MeshTrailerSchema) } };
+  };
+
+  it("takes a trailer for its own mesh's, and not for the next one's that has begun meanwhile", async () => {
+    const { header, chunks, trailer } = events();
+    start(1);
+    await send(0, header, ...chunks, trailer);
+    await says(1, "surface");  // which is not drawn: the trailer waits
+    start(2);
+    await send(1, header, chunks[0]);
+    order(1, "drawn");
+    await says(2, "surface");
+    order(2, "drawn");
+    await send(1, ...chunks.slice(1), trailer);
+    assert.equal((await says(2, "trailer")).worst.length, 10);
+    assert.ok(!told.some((message) => message.run === 1 && message.kind === "trailer"));
+    assert.equal(told.filter((message) => message.kind === "surface").at(-1).surface.triangles, 6 * 2 * kSide ** 2);
+    order(2, "drawn");
+  });
+
+  it("says that a mesh has failed before it makes what takes memory", async () => {
+    const { header, chunks } = events();
+    start(3);
+    await send(0, header, chunks[0]);
+    await says(3, "surface");
+    order(3, "drawn");
+    const Whole = Uint32Array;
+    globalThis.Uint32Array = new Proxy(Whole, { construct() { throw new RangeError("no room for it"); } });
+    try {
+      answers[0].error(new Error("gone"));
+      assert.equal((await says(3, "failed")).message, "the connection broke");
+      order(3, "draw", { colour: "none" });
+    } finally {
+      globalThis.Uint32Array = Whole;
+    }
+  });
+
+  it("says why it cannot draw, and keeps the mesh", async () => {
+    const { header, chunks, trailer } = events();
+    start(4);
+    await send(0, header, ...chunks);
+    await says(4, "surface");
+    order(4, "drawn");
+    await send(0, trailer);
+    await says(4, "trailer");
+    order(4, "drawn");
+    const Whole = Uint8Array;
+    globalThis.Uint8Array = new Proxy(Whole, { construct() { throw new RangeError("no room for it"); } });
+    try {
+      order(4, "draw", { colour: "none" });
+    } finally {
+      globalThis.Uint8Array = Whole;
+    }
+    assert.equal((await says(4, "unable")).message, "no room for it");
+    const before = told.length;
+    order(4, "draw", { colour: "none" });
+    assert.equal(told[before].surface.triangles, 6 * 2 * kSide ** 2);
+    order(3, "draw", { colour: "none" });  // of an earlier run
+    assert.equal(told.length, before + 1);
   });
 });
 

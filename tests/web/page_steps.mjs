@@ -62,3 +62,15 @@ export function makeBunny(path) {
   execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", path, "--voxel", "0.02"],
     { stdio: "ignore" });
 }
+
+/** A box from the origin to `high` as binary STL, without its first triangles. */
+export function stl(high, missing = 0) {
+  const corners = [...Array(8).keys()].map((i) => [i & 4 ? high[0] : 0, i & 2 ? high[1] : 0, i & 1 ? high[2] : 0]);
+  const quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+  const triangles = quads.flatMap(([a, b, c, d]) => [[a, b, c], [a, c, d]]).slice(missing);
+  const file = Buffer.alloc(84 + 50 * triangles.length);
+  file.writeUInt32LE(triangles.length, 80);
+  triangles.forEach((triangle, i) => triangle.flatMap((corner) => corners[corner]).forEach((value, j) =>
+    file.writeFloatLE(value, 84 + 50 * i + 12 + 4 * j)));
+  return file;
+}

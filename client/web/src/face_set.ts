@@ -41,10 +41,9 @@ class Table {
     }
   }
 
+  /** The table must not be used any more. */
   free(): void {
     this.tally.drop(this.rows.byteLength);
-    this.rows = new Uint32Array();
-    this.count = 0;
   }
 
   private put(slot: number, a: number, b: number, c: number, mark: number): void {
@@ -99,7 +98,7 @@ function home(hash: number, slots: number): number {
 }
 
 export class FaceSet {
-  private readonly tables: Table[];
+  private tables: Table[];
 
   constructor(tally: Tally) {
     this.tables = Array.from({ length: kTables }, () => new Table(tally));
@@ -118,7 +117,9 @@ export class FaceSet {
     if (q < p && q < r) { a = q; b = r; c = p; }
     else if (r < p && r < q) { a = r; b = p; c = q; }
     const hash = hashOf(a, b, c);
-    return this.tables[hash & (kTables - 1)]!.toggle(a, b, c, hash, face);
+    const table = this.tables[hash & (kTables - 1)];
+    if (!table) throw new Error("a face came after the set of faces was freed");
+    return table.toggle(a, b, c, hash, face);
   }
 
   /** Calls `use` with each face's corners and its number. */
@@ -126,8 +127,9 @@ export class FaceSet {
     for (const table of this.tables) table.forEach(use);
   }
 
-  /** Forgets all faces. */
+  /** Forgets all faces, and takes no more. */
   free(): void {
     for (const table of this.tables) table.free();
+    this.tables = [];
   }
 }

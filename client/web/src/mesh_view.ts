@@ -5,7 +5,7 @@ import { GetGridInfoRequestSchema, GridFileSchema, ListGridsRequestSchema, ListG
 import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
 import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, MeshRequestSchema, Preset, StreamMeshRequestSchema,
   type Box, type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
-import type { FromWorker, Holding, ToWorker } from "./mesh_worker";
+import type { FromWorker, Holding } from "./mesh_worker";
 import { fileNameOf, formatOf, kFormats, type SavedFormat } from "./formats";
 import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
@@ -15,6 +15,7 @@ import { sceneNames, sceneOf } from "./scenes";
 import { upload } from "./upload";
 import type { WorstTet } from "./tet_mesh";
 import { Viewer } from "./viewer";
+import { WorkerRuns } from "./worker_runs";
 
 // Degrees that every angle of a preset keeps: GetCapabilities says them.
 export type Promises = Map<Preset, Promised>;
@@ -29,7 +30,7 @@ function mostTets(): number {
 
 export class MeshView {
   private readonly viewer = new Viewer(element<HTMLCanvasElement>("canvas"));
-  private readonly worker = new Worker(new URL("./mesh_worker.ts", import.meta.url), { type: "module" });
+  private readonly worker = new WorkerRuns((message) => this.take(message), (why) => this.lose(why));
   private name = "";
   private file = "";
   private grids: GridInfo[] = [];
@@ -42,7 +43,6 @@ export class MeshView {
   private saveWhenWhole = false;
 
   constructor(private readonly promises: () => Promises) {
-    this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
     for (const name of sceneNames()) made("option", name, element("scene"));
     const drop = element("drop");
     drop.addEventListener("dragover", (event) => {
@@ -106,10 +106,6 @@ export class MeshView {
     } catch (error) {
       alertOf(explain(error));
     }
-  }
-
-  private send(message: ToWorker): void {
-    this.worker.postMessage(message);
   }
 
   private async takeFile(file: File): Promise<void> {
@@ -222,7 +218,7 @@ export class MeshView {
   }
 
   private save(): void {
-    this.send({ kind: "save", format: this.ending() });
+    this.worker.send({ kind: "save", format: this.ending() });
   }
 
   private start(): void {
@@ -244,11 +240,11 @@ export class MeshView {
     element("status").textContent = "Waiting for the server…";
     element<HTMLProgressElement>("progress").removeAttribute("value");
     this.viewer.clear();
-    this.send({ kind: "start", method, request, token: options().token, mostTets: mostTets() });
+    this.worker.start({ kind: "start", method, request, token: options().token, mostTets: mostTets() });
   }
 
   private cancel(): void {
-    this.send({ kind: "cancel" });
+    this.worker.send({ kind: "cancel" });
     this.ended("cancelled", "Cancelled: what has come stays");
   }
 
@@ -257,6 +253,13 @@ export class MeshView {
     element<HTMLButtonElement>("stop").disabled = true;
     element("status").textContent = text;
     if (how !== "done") element<HTMLProgressElement>("progress").value = 0;
+  }
+
+  /** The worker is gone, and what it had of a mesh. */
+  private lose(why: string): void {
+    alertOf(`What meshes in this page has failed: ${why}. The next mesh begins anew.`);
+    this.allowSaving(false);
+    if (document.body.dataset["mesh"] === "running") this.ended("failed", "The mesh did not come to its end");
   }
 
   private async submitJob(): Promise<void> {
@@ -275,7 +278,7 @@ export class MeshView {
     const colour = element<HTMLSelectElement>("colour").value;
     const [low, high] = this.bounds(header);
     const share = Number(element<HTMLInputElement>("cut-at").value);
-    this.send({ kind: "draw", colour,
+    this.worker.send({ kind: "draw", colour,
       cut: axis < 0 ? undefined : { axis, at: low[axis]! + (high[axis]! - low[axis]!) * share } });
   }
 
@@ -292,7 +295,7 @@ export class MeshView {
   }
 
   private take(message: FromWorker): void {
-    const ofTheMesh = !["surface", "saved", "unsaved"].includes(message.kind);
+    const ofTheMesh = !["surface", "saved", "unable"].includes(message.kind);
     if (document.body.dataset["mesh"] === "cancelled" && ofTheMesh) return;
     switch (message.kind) {
       case "progress":
@@ -315,7 +318,7 @@ export class MeshView {
       case "failed":
         alertOf(explain(new RpcError(message.code, message.message, message.reason, message.requestId)));
         return this.ended("failed", "The mesh did not come to its end");
-      case "unsaved":
+      case "unable":
         return alertOf(message.message);
       case "saved": {
         const link = document.createElement("a");
@@ -340,7 +343,7 @@ export class MeshView {
   }
 
   private takeSurface(message: FromWorker & { kind: "surface" }): void {
-    this.viewer.show(message.surface, () => this.send({ kind: "drawn" }));
+    this.viewer.show(message.surface, () => this.worker.send({ kind: "drawn" }, message.run));
     const triangles = message.surface.triangles;
     const canvas = element("canvas");
     canvas.dataset["triangles"] = String(triangles);

@@ -7,12 +7,19 @@ import { RpcError, streamBytes } from "./rpc";
 import { fileOf, type SavedFormat } from "./save";
 import { TetMesh, type Cut, type WorstTet } from "./tet_mesh";
 
-export type ToWorker =
+/** Each start is another run, whose number is in all that is said of its mesh: what is said of an earlier one comes too late. */
+interface OfRun {
+  run: number;
+}
+
+export type Order =
   | { kind: "start"; method: string; request: Uint8Array; token: string; mostTets: number }
   | { kind: "draw"; colour: string; cut?: Cut }
   | { kind: "drawn" }
   | { kind: "cancel" }
   | { kind: "save"; format: SavedFormat };
+
+export type ToWorker = OfRun & Order;
 
 /** What a mesh takes: bytes of arrays now and at most, and those of its chunks as they came. */
 export interface Holding {
@@ -21,14 +28,16 @@ export interface Holding {
   received: number;
 }
 
-export type FromWorker =
+type Told =
   | { kind: "progress"; done: number; total: number }
   | { kind: "header"; event: Uint8Array; keepsTets: boolean }
   | { kind: "surface"; surface: Surface; chunks: number; tets: number; seconds: number; holding: Holding }
   | { kind: "trailer"; event: Uint8Array; seams: Float32Array; worst: WorstTet[]; seconds: number; holding: Holding }
   | { kind: "saved"; format: SavedFormat; blob: Blob }
-  | { kind: "unsaved"; message: string }
+  | { kind: "unable"; message: string }
   | { kind: "failed"; code: number; message: string; reason: string; requestId: string };
+
+export type FromWorker = OfRun & Told;
 
 // How often what has come is drawn; and drawing may take this share of the time at most.
 const kDrawMs = 250, kDrawShare = 0.25;
@@ -36,6 +45,7 @@ const kDrawMs = 250, kDrawShare = 0.25;
 const kLastSoFar = 0.9;
 
 const scope = self as unknown as DedicatedWorkerGlobalScope;
+let run = 0;
 let mesh: TetMesh | undefined;
 let colour = "none";
 let cut: Cut | undefined;
@@ -45,8 +55,9 @@ let bytes = 0, start = 0, nextDraw = 0;
 let underWay: { of: TetMesh; bytes: number } | undefined;
 let again = false;
 
-function tell(message: FromWorker, transfer: Transferable[] = []): void {
-  scope.postMessage(message, transfer);
+function tell(message: Told, transfer: Transferable[] = []): void {
+  const numbered: FromWorker = { ...message, run };
+  scope.postMessage(numbered, transfer);
 }
 
 function holding(): Holding {
@@ -73,9 +84,9 @@ function drawn(): void {
   if (again) draw();
 }
 
-/** Returns once nothing is under way. */
-async function quiet(): Promise<void> {
-  while (underWay) await new Promise((done) => setTimeout(done));
+/** Returns once nothing of a mesh is under way, or the mesh is another. */
+async function quiet(of: TetMesh): Promise<void> {
+  while (underWay && mesh === of) await new Promise((done) => setTimeout(done));
 }
 
 function isNearlyWhole(of: TetMesh): boolean {
@@ -95,37 +106,53 @@ async function take(event: Uint8Array, mostTets: number): Promise<void> {
       if (mesh!.chunks === 1 || (performance.now() > nextDraw && !isNearlyWhole(mesh!))) draw();
       return;
     case "trailer": {
-      await quiet();
-      again = false;
       const whole = mesh!;
-      whole.finish();
-      const worst = whole.findWorst();
-      const seams = hasSeams(message.value) ? whole.seams() : new Float32Array();
-      draw();
-      return tell({ kind: "trailer", event, worst, seams, seconds: (performance.now() - start) / 1e3, holding: holding() });
+      await quiet(whole);
+      // Another run may have begun meanwhile, or this one been cancelled.
+      if (mesh === whole && !abort!.signal.aborted) takeTrailer(whole, event, message.value);
     }
   }
+}
+
+function takeTrailer(whole: TetMesh, event: Uint8Array, trailer: MeshTrailer): void {
+  again = false;
+  whole.finish();
+  const worst = whole.findWorst();
+  const seams = hasSeams(whole, trailer) ? whole.seams() : new Float32Array();
+  draw();
+  tell({ kind: "trailer", event, worst, seams, seconds: (performance.now() - start) / 1e3, holding: holding() });
 }
 
 // Beyond these the search would take the worker's memory.
 const kMostTriangles = 2_000_000;
 
-function hasSeams(trailer: MeshTrailer): boolean {
-  return (trailer.boundary?.nonManifoldEdges ?? 0n) > 0n && mesh!.surfaceTriangles <= kMostTriangles;
+function hasSeams(whole: TetMesh, trailer: MeshTrailer): boolean {
+  return (trailer.boundary?.nonManifoldEdges ?? 0n) > 0n && whole.surfaceTriangles <= kMostTriangles;
 }
 
-/** What has come stays, and can be cut and painted. */
+/** What has come stays, and can be cut and painted; but where there is no room for that it goes. */
 function finishEarly(): void {
-  mesh?.finish();
-  draw();
+  try {
+    mesh?.finish();
+    draw();
+  } catch {
+    mesh = undefined;
+  }
 }
 
-async function run(order: ToWorker & { kind: "start" }): Promise<void> {
+/** Begins a run. What the page still does with the surface of the one before is nobody's affair any more. */
+function begin(order: ToWorker & { kind: "start" }): AbortController {
   abort?.abort();
-  const mine = (abort = new AbortController());
-  mesh = undefined;
+  run = order.run;
+  mesh = underWay = undefined;
+  again = false;
   bytes = nextDraw = 0;
   start = performance.now();
+  return (abort = new AbortController());
+}
+
+async function stream(order: ToWorker & { kind: "start" }): Promise<void> {
+  const mine = begin(order);
   try {
     for await (const event of streamBytes(order.method, order.request, { token: order.token, signal: mine.signal })) {
       if (mine.signal.aborted) return;
@@ -134,40 +161,46 @@ async function run(order: ToWorker & { kind: "start" }): Promise<void> {
     }
   } catch (error) {
     if (mine.signal.aborted) return;
-    finishEarly();
     const known = error instanceof RpcError ? error : new RpcError(2, String((error as Error).message ?? error));
+    // Told first: what follows takes memory, of which there may be none.
     tell({ kind: "failed", code: known.code, message: known.message, reason: known.reason, requestId: known.requestId });
+    finishEarly();
   }
 }
 
 function save(format: SavedFormat): void {
-  if (!mesh) return;
+  if (mesh) tell({ kind: "saved", format, blob: fileOf(mesh, format) });
+}
+
+/** Does what was asked for, or says why not: the mesh stays as it is. */
+function attempt(act: () => void): void {
   try {
-    tell({ kind: "saved", format, blob: fileOf(mesh, format) });
+    act();
   } catch (error) {
-    tell({ kind: "unsaved", message: String((error as Error).message ?? error) });
+    tell({ kind: "unable", message: String((error as Error).message ?? error) });
   }
 }
 
 scope.onmessage = ({ data }: MessageEvent<ToWorker>) => {
+  if (data.kind !== "start" && data.run !== run) return;
   switch (data.kind) {
     case "start":
-      void run(data);
+      void stream(data);
       break;
     case "cancel":
       abort?.abort();
       finishEarly();
       break;
     case "drawn":
-      drawn();
+      attempt(drawn);
       break;
     case "draw":
       colour = data.colour;
       cut = data.cut;
-      draw();
+      attempt(draw);
       break;
     case "save":
-      save(data.format);
+      attempt(() => save(data.format));
       break;
   }
 };

@@ -1,0 +1,87 @@
+// What somebody does in the page before it is done with what was asked for last.
+//   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_turns_test.mjs [PART...]
+import assert from "node:assert/strict";
+import { it } from "node:test";
+import { HeldWire, kGenerousEnd, meshIs, until } from "./browser_case.mjs";
+import { chooseBall, mesh, meshIsDone, part, setSpacing, stage, triangles } from "./page_steps.mjs";
+
+const outsideOf = async (page) =>
+  Number((await page.textContent("#quality")).match(/([\d,]+) triangles outside/)[1].replace(/,/g, ""));
+
+/**
+ * In the page: keeps what the worker makes to be drawn, and notes the kinds of all that it tells. `deliverOne` gives the page
+ * the first that is kept, and `deliver` all others and what comes from then on.
+ */
+function gateSurfaces() {
+  const kept = [];
+  let isGated = true;
+  window.heard = [];
+  window.Worker = class extends Worker {
+    set onmessage(take) {
+      super.onmessage = (event) => {
+        window.heard.push(event.data.kind);
+        if (isGated && event.data.kind === "surface") kept.push(() => take(event));
+        else take(event);
+      };
+    }
+  };
+  window.deliverOne = () => kept.shift()();
+  window.deliver = () => {
+    isGated = false;
+    for (const give of kept.splice(0)) give();
+  };
+}
+
+/** Waits until the worker has all of the answer to a method. */
+async function hasCome(page, method) {
+  const isThere = (name) => performance.getEntriesByType("resource").some((entry) => entry.name.endsWith(name));
+  for (const end = Date.now() + kGenerousEnd; !(await page.workers()[0].evaluate(isThere, method));) {
+    assert.ok(Date.now() < end, `${method} has not come`);
+    await new Promise((done) => setTimeout(done, 20));
+  }
+}
+
+part("Turns", () => {
+  const held = stage();
+
+  it("draws the second of two meshes, although the first was whole and not yet drawn", async () => {
+    const wire = await new HeldWire().start(held.server);
+    const page = await held.browser.open(wire.url, { before: gateSurfaces });
+    await chooseBall(page, held);
+    await page.click("#go");
+    await hasCome(page, "StreamMesh");  // its trailer waits in the worker until its first surface is drawn
+    await setSpacing(page, -0.5);
+    const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
+    wire.hold(2 ** 12);  // the header, and not all
+    await page.click("#go");
+    await until(page, () => window.heard.filter((kind) => kind === "header").length === 2);
+    assert.ok(await page.evaluate(() => {
+      window.deliverOne();
+      return document.getElementById("canvas").dataset.triangles === undefined;
+    }), "the first mesh's surface was drawn as the second's");
+    await page.evaluate(() => window.deliver());
+    wire.release();
+    await meshIsDone(page);
+    assert.ok((await page.textContent("#status")).startsWith(estimated), await page.textContent("#status"));
+    assert.equal(await triangles(page), await outsideOf(page));
+    assert.equal(await page.evaluate(() => window.heard.filter((kind) => kind === "trailer").length), 1);
+    assert.deepEqual(page.errors, []);
+    wire.close();
+  });
+
+  it("says why where the worker fails, and meshes with another", async () => {
+    const page = await held.browser.open("about:blank");
+    await page.route("**/assets/mesh_worker*", (route) => route.fulfill({
+      contentType: "text/javascript", body: 'onmessage = () => { throw new Error("no room for it"); };' }));
+    await page.goto(held.server.url);
+    await page.selectOption("#scene", "a ball");
+    await setSpacing(page, 1);
+    await page.click("#go");
+    await meshIs(page, "failed");
+    assert.match(await page.textContent("#alert"), /What meshes in this page has failed: .*no room for it/);
+    assert.ok(await page.isDisabled("#stop"));
+    await page.unroute("**/assets/mesh_worker*");
+    await mesh(page);
+    assert.equal(await page.textContent("#alert"), "");
+  });
+});
