@@ -372,7 +372,7 @@ part("Lives", () => {
     assert.deepEqual(page.errors, []);
   });
 
-  it("lists jobs page by page", async () => {
+  it("lists all stored grids, and jobs page by page", async () => {
     // Pages of few: the page asks for hundreds, and each number is as many bytes as it was.
     const page = await held.browser.open("about:blank");
     const few = async (method, number) => page.route(`**/tetstream.v1.${method}`, (route) => {
@@ -382,6 +382,7 @@ part("Lives", () => {
       body.set([0x81, 0x00], at + 1);  // 1
       return route.continue({ postData: body });
     });
+    await few("GridService/ListGrids", [0x08, 0xe8, 0x07]);  // page_size = 1000
     await few("JobService/ListJobs", [0x10, 0xc8, 0x01]);  // page_size = 200
     const put = async (bytes) => {
       const sha256 = createHash("sha256").update(bytes).digest("hex");
@@ -389,16 +390,17 @@ part("Lives", () => {
       assert.ok(answer.ok, await answer.text());
       return `grids/${sha256}`;
     };
-    const grid = await put(stl([1, 1, 1]));
+    const grids = await Promise.all([stl([1, 1, 1]), stl([1, 1, 2]), stl([1, 1, 3])].map(put));
     for (const displayName of ["one", "two", "three"]) {
       const answer = await fetch(`${held.server.url}v1/jobs`, { method: "POST", headers: { "Content-Type": "application/json" },
-        body: JSON.stringify({ job: { displayName, mesh: { name: grid, spacing: 0.5 } } }) });
+        body: JSON.stringify({ job: { displayName, mesh: { name: grids[0], spacing: 0.5 } } }) });
       // What has ended is told by its page alone.
       await (await fetch(`${held.server.url}v1/${(await answer.json()).name}:wait`)).json();
     }
     const names = (await (await fetch(`${held.server.url}v1/jobs`)).json()).jobs.map(({ name }) => name);
     const rows = (count) => until(page, (count) => document.querySelectorAll("#job-rows tr").length === count, count);
     await page.goto(held.server.url + "#jobs");
+    await until(page, (names) => names.every((name) => document.querySelector(`#stored option[value="${name}"]`)), grids);
     for (let count = 1; count < names.length; ++count) {
       await rows(count);
       assert.match(await page.textContent("#older"), new RegExp(`${count} jobs are listed, and there are older ones`));

@@ -1,10 +1,13 @@
 // What somebody does in the page before it is done with what was asked for last.
 //   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_turns_test.mjs [PART...]
 import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
+import { readFileSync } from "node:fs";
 import { it } from "node:test";
-import { HeldWire, kGenerousEnd, meshIs, until } from "./browser_case.mjs";
-import { chooseBall, mesh, meshIsDone, part, setSpacing, stage, triangles } from "./page_steps.mjs";
+import { HeldWire, holdCalls, kGenerousEnd, meshIs, until } from "./browser_case.mjs";
+import { chooseBall, mesh, meshIsDone, part, setSpacing, stage, stl, triangles } from "./page_steps.mjs";
 
+const areDisabled = (page) => page.evaluate(() => ["go", "submit"].map((id) => document.getElementById(id).disabled));
 const outsideOf = async (page) =>
   Number((await page.textContent("#quality")).match(/([\d,]+) triangles outside/)[1].replace(/,/g, ""));
 
@@ -83,5 +86,61 @@ part("Turns", () => {
     await page.unroute("**/assets/mesh_worker*");
     await mesh(page);
     assert.equal(await page.textContent("#alert"), "");
+  });
+
+  it("has the grids of what was chosen last, whichever answer comes first", async () => {
+    const page = await held.browser.open(held.server.url);
+    await chooseBall(page, held);
+    const ball = await page.inputValue("#stored");
+    await page.setInputFiles("#file", { name: "block.stl", mimeType: "model/stl", buffer: stl([4, 2, 1]) });
+    await until(page, () => /of a surface/.test(document.getElementById("info").textContent) &&
+      /tets/.test(document.getElementById("estimate").textContent));
+    const block = await page.inputValue("#stored"), info = await page.textContent("#info");
+    const command = await page.inputValue("#command");
+    const calls = await holdCalls(page, "GridService/GetGridInfo");
+    await page.selectOption("#stored", ball);
+    const first = await calls.next();
+    assert.deepEqual(await areDisabled(page), [true, true]);
+    assert.equal(await page.locator("#grid option").count(), 0);
+    await page.selectOption("#stored", block);
+    const second = await calls.next();
+    await second.route.continue();
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await first.route.continue();
+    await first.over;
+    assert.equal(await page.textContent("#info"), info);
+    assert.equal(await page.inputValue("#stored"), block);
+    assert.match(await page.inputValue("#command"), new RegExp(command.match(/--spacing \S+/)[0]));
+    assert.deepEqual(await areDisabled(page), [false, false]);
+    // An answer that does not come leaves nothing of the choice before.
+    await page.selectOption("#stored", ball);
+    await (await calls.next()).route.abort();
+    await until(page, () => /cannot be reached/.test(document.getElementById("alert").textContent));
+    assert.deepEqual(await areDisabled(page), [true, true]);
+    assert.equal(await page.locator("#grid option").count(), 0);
+    assert.equal(await page.textContent("#info"), "");
+    await calls.letGo();
+    await page.selectOption("#stored", block);
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await mesh(page);
+  });
+
+  it("leaves the form as it is when a file is stored that nobody waits for any more", async () => {
+    const page = await held.browser.open(held.server.url);
+    const calls = await holdCalls(page, "GridService/GetUploadStatus");
+    await page.setInputFiles("#file", held.ball);
+    const { route } = await calls.next();
+    await page.selectOption("#scene", "a ball");
+    await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
+    await route.continue();
+    await until(page, () => /is stored/.test(document.getElementById("uploads").textContent) &&
+      document.querySelectorAll("#stored option").length > 1);
+    const name = createHash("sha256").update(readFileSync(held.ball)).digest("hex");
+    await until(page, (start) => document.getElementById("uploads").textContent.includes(
+      `.vdb is stored. It is ${start}… of the stored grids`), name.slice(0, 12));
+    assert.equal(await page.inputValue("#scene"), "a ball");
+    assert.equal(await page.inputValue("#stored"), "");
+    assert.ok(await page.locator(`#stored option[value="grids/${name}"]`).count() > 0);
+    assert.deepEqual(page.errors, []);
   });
 });

@@ -1,18 +1,15 @@
 // The view that meshes: choose, estimate, watch it come, look into it, save it.
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { GetGridInfoRequestSchema, GridFileSchema, ListGridsRequestSchema, ListGridsResponseSchema,
-  type GridInfo } from "../generated/tetstream/v1/grids_pb";
 import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
-import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, MeshRequestSchema, Preset, StreamMeshRequestSchema,
-  type Box, type MeshHeader, type MeshRequest, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
+import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, Preset, StreamMeshRequestSchema, type Box,
+  type MeshHeader, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
 import type { FromWorker, Holding } from "./mesh_worker";
 import { fileNameOf, formatOf, kFormats, type SavedFormat } from "./formats";
+import { MeshChoice } from "./mesh_choice";
 import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
 import { drawQuality, type Promised } from "./quality_view";
 import { RpcError, unary } from "./rpc";
-import { sceneNames, sceneOf } from "./scenes";
-import { upload } from "./upload";
 import type { WorstTet } from "./tet_mesh";
 import { Viewer } from "./viewer";
 import { WorkerRuns } from "./worker_runs";
@@ -31,9 +28,7 @@ function mostTets(): number {
 export class MeshView {
   private readonly viewer = new Viewer(element<HTMLCanvasElement>("canvas"));
   private readonly worker = new WorkerRuns((message) => this.take(message), (why) => this.lose(why));
-  private name = "";
-  private file = "";
-  private grids: GridInfo[] = [];
+  private readonly choice = new MeshChoice(() => this.estimate());
   private header?: MeshHeader;
   private estimating?: AbortController;
   private drawnFirst = 0;
@@ -43,7 +38,6 @@ export class MeshView {
   private saveWhenWhole = false;
 
   constructor(private readonly promises: () => Promises) {
-    for (const name of sceneNames()) made("option", name, element("scene"));
     const drop = element("drop");
     drop.addEventListener("dragover", (event) => {
       event.preventDefault();
@@ -54,16 +48,16 @@ export class MeshView {
       event.preventDefault();
       drop.classList.remove("over");
       const file = event.dataTransfer?.files[0];
-      if (file) void this.guard(() => this.takeFile(file));
+      if (file) void this.guard(() => this.choice.takeFile(file));
     });
     const on = (id: string, event: string, act: () => unknown): void =>
       element(id).addEventListener(event, () => void this.guard(async () => act()));
     on("file", "change", () => {
       const file = element<HTMLInputElement>("file").files?.[0];
-      return file && this.takeFile(file);
+      return file && this.choice.takeFile(file);
     });
-    on("stored", "change", () => this.choose(element<HTMLSelectElement>("stored").value, ""));
-    on("scene", "change", () => this.chooseScene());
+    on("stored", "change", () => this.choice.choose(element<HTMLSelectElement>("stored").value, ""));
+    on("scene", "change", () => this.choice.chooseScene());
     for (const id of ["grid", "spacing", "levels", "both"]) on(id, "input", () => this.estimate());
     element("mesh-form").addEventListener("submit", (event) => {
       event.preventDefault();
@@ -83,13 +77,7 @@ export class MeshView {
   }
 
   async refresh(): Promise<void> {
-    const answer = await unary("GridService/ListGrids", ListGridsRequestSchema,
-      create(ListGridsRequestSchema, { pageSize: 200 }), ListGridsResponseSchema, options());
-    const stored = element<HTMLSelectElement>("stored");
-    const chosen = stored.value;
-    stored.replaceChildren(new Option("none chosen", ""),
-      ...answer.files.map((f) => new Option(`${f.name.slice(6, 18)}… (${sizeOf(Number(f.sizeBytes))})`, f.name)));
-    stored.value = chosen;
+    await this.choice.refresh();
   }
 
   /** Draws the mesh that a job has made, and saves it as the menu says where that is wanted. */
@@ -108,93 +96,38 @@ export class MeshView {
     }
   }
 
-  private async takeFile(file: File): Promise<void> {
-    const name = await upload(file, (text) => (element("status").textContent = text));
-    element("status").textContent = `${file.name} is stored` +
-      (/\.(stl|obj|ply)$/i.test(file.name) ? ": a surface, which the server makes a volume of" : "");
-    await this.refresh();
-    element<HTMLSelectElement>("stored").value = name;
-    await this.choose(name, file.name);
-  }
-
-  private async choose(name: string, file: string): Promise<void> {
-    this.name = name;
-    this.file = file;
-    this.grids = [];
-    element<HTMLSelectElement>("scene").value = "";
-    element("info").textContent = "";
-    if (name) {
-      const answer = await unary("GridService/GetGridInfo", GetGridInfoRequestSchema,
-        create(GetGridInfoRequestSchema, { name }), GridFileSchema, options());
-      this.grids = answer.grids;
-      element("info").textContent = this.grids.map((g) =>
-        `${g.name || "(no name)"}: ${g.gridClass}, ${count(g.activeVoxelCount)} voxels of ${short(g.voxelSize)}` +
-        (g.madeOf ? `; of a surface: ${g.madeOf}` : "") +
-        (g.notMeshableReason ? `; cannot be meshed: ${g.notMeshableReason}` : "")).join("\n");
-    }
-    const meshable = this.grids.filter((g) => !g.notMeshableReason);
-    element("grid").replaceChildren(...meshable.map((g) => new Option(g.name || "(no name)", g.name)));
-    await this.estimate();
-  }
-
-  private async chooseScene(): Promise<void> {
-    element<HTMLSelectElement>("stored").value = "";
-    this.name = "";
-    this.grids = [];
-    element("info").textContent = "";
-    element("grid").replaceChildren();
-    await this.estimate();
-  }
-
-  /** The spacing that the slider stands for: a power of two of the voxel's size or the scene's default. */
-  private spacing(): number {
-    const grid = this.grids.find((g) => g.name === element<HTMLSelectElement>("grid").value) ?? this.grids[0];
-    const unit = grid?.voxelSize || 2 / 64;
-    return unit * 2 ** Number(element<HTMLInputElement>("spacing").value);
-  }
-
-  private request(): MeshRequest | undefined {
-    const scene = sceneOf(element<HTMLSelectElement>("scene").value);
-    if (!this.name && !scene) return undefined;
-    return create(MeshRequestSchema, {
-      name: this.name,
-      scene,
-      gridName: this.name ? element<HTMLSelectElement>("grid").value : "",
-      spacing: this.spacing(),
-      levels: Number(element<HTMLInputElement>("levels").value),
-      preset: element<HTMLInputElement>("both").checked ? Preset.BOTH_SIDES : Preset.DEFAULT,
-    });
-  }
-
   private async estimate(): Promise<void> {
     this.estimating?.abort();
     const mine = (this.estimating = new AbortController());
-    const request = this.request();
-    const buttons = ["go", "submit"].map((id) => element<HTMLButtonElement>(id));
-    buttons.forEach((button) => (button.disabled = !request));
+    const request = this.choice.request();
+    this.allowMeshing(Boolean(request));
     element("estimate").textContent = "";
-    if (!request) return;
-    element("spacing-text").textContent = short(this.spacing());
     this.tellTwins();
+    if (!request) return;
+    element("spacing-text").textContent = short(this.choice.spacing());
     element("estimate").textContent = "Counting…";
     try {
       const header = await unary("MeshService/EstimateMesh", EstimateMeshRequestSchema,
         create(EstimateMeshRequestSchema, { mesh: request }), MeshHeaderSchema, options({ signal: mine.signal }));
+      if (mine.signal.aborted) return;
       element("estimate").textContent = `${count(header.tetCount)} tets, ${count(header.vertexCount)} vertices, ` +
         `${sizeOf(Number(header.meshBytes))}, about ${short(header.fillSeconds)} s` +
         (header.insideGuess ? `. ${header.insideGuess}` : "");
     } catch (error) {
       if (mine.signal.aborted) return;
       element("estimate").textContent = explain(error);
-      if (error instanceof RpcError) buttons.forEach((button) => (button.disabled = true));
+      if (error instanceof RpcError) this.allowMeshing(false);
     }
+  }
+
+  private allowMeshing(allowed: boolean): void {
+    for (const id of ["go", "submit"]) element<HTMLButtonElement>(id).disabled = !allowed;
   }
 
   /** The command line and the Python that make the same mesh, and save it as the menu says. */
   private tellTwins(): void {
-    const request = this.request();
-    if (!request) return;
-    const twins = twinsOf(request, { file: this.file, ending: this.ending(), place: this.place,
+    const request = this.choice.request();
+    const twins = !request ? { command: "", python: "" } : twinsOf(request, { file: this.choice.file, ending: this.ending(), place: this.place,
       hasToken: options().token !== "" });
     element<HTMLTextAreaElement>("command").value = twins.command;
     element<HTMLTextAreaElement>("python").value = twins.python;
@@ -222,8 +155,9 @@ export class MeshView {
   }
 
   private start(): void {
-    const request = this.request();
+    const request = this.choice.request();
     if (!request) return;
+    this.choice.use();
     this.saveWhenWhole = false;
     const stream = create(StreamMeshRequestSchema, { mesh: request, encoding: Encoding.PACKED });
     this.begin("MeshService/StreamMesh", toBinary(StreamMeshRequestSchema, stream));
@@ -263,10 +197,11 @@ export class MeshView {
   }
 
   private async submitJob(): Promise<void> {
-    const mesh = this.request();
+    const mesh = this.choice.request();
     if (!mesh) return;
+    this.choice.use();
     const job = await unary("JobService/CreateJob", CreateJobRequestSchema,
-      create(CreateJobRequestSchema, { job: { mesh, displayName: this.file } }), JobSchema, options());
+      create(CreateJobRequestSchema, { job: { mesh, displayName: this.choice.file } }), JobSchema, options());
     element("status").textContent = `${job.name} is queued`;
     location.hash = "#jobs";
   }
