@@ -143,4 +143,30 @@ part("Turns", () => {
     assert.ok(await page.locator(`#stored option[value="grids/${name}"]`).count() > 0);
     assert.deepEqual(page.errors, []);
   });
+
+  it("makes one job of two clicks, and of a second try whose first got no answer", async () => {
+    const page = await held.browser.open(held.server.url);
+    const jobs = async () => (await (await fetch(`${held.server.url}v1/jobs`)).json()).jobs ?? [];
+    await chooseBall(page, held);
+    let asked = 0;
+    page.on("request", (request) => (asked += Number(request.url().endsWith("JobService/CreateJob"))));
+    const calls = await holdCalls(page, "JobService/CreateJob");
+    await page.dblclick("#submit");
+    const first = await calls.next();
+    assert.equal(await page.isDisabled("#submit"), true);
+    assert.equal(asked, 1);
+    await first.route.fetch();  // the server has it, and nobody is told
+    await first.route.abort();
+    await until(page, () => /cannot be reached/.test(document.getElementById("alert").textContent));
+    await page.click("#submit");
+    await (await calls.next()).route.continue();
+    await page.waitForSelector('#job-rows tr[data-state="succeeded"]');
+    assert.equal((await jobs()).length, 1);
+    // Whoever asks after an answer wants another.
+    await page.click('nav a[href="#mesh"]');
+    await page.click("#submit");
+    await (await calls.next()).route.continue();
+    await until(page, () => document.querySelectorAll('#job-rows tr').length === 2);
+    assert.equal((await jobs()).length, 2);
+  });
 });

@@ -1,10 +1,11 @@
 // The view that meshes: choose, estimate, watch it come, look into it, save it.
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { CreateJobRequestSchema, JobSchema, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
+import { ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
 import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, Preset, StreamMeshRequestSchema, type Box,
   type MeshHeader, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
 import type { FromWorker, Holding } from "./mesh_worker";
 import { fileNameOf, formatOf, kFormats, type SavedFormat } from "./formats";
+import { askForJob } from "./job_request";
 import { MeshChoice } from "./mesh_choice";
 import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
@@ -29,6 +30,8 @@ export class MeshView {
   private readonly viewer = new Viewer(element<HTMLCanvasElement>("canvas"));
   private readonly worker = new WorkerRuns((message) => this.take(message), (why) => this.lose(why));
   private readonly choice = new MeshChoice(() => this.estimate());
+  private canMesh = false;
+  private isAskingForJob = false;
   private header?: MeshHeader;
   private estimating?: AbortController;
   private drawnFirst = 0;
@@ -121,7 +124,9 @@ export class MeshView {
   }
 
   private allowMeshing(allowed: boolean): void {
-    for (const id of ["go", "submit"]) element<HTMLButtonElement>(id).disabled = !allowed;
+    this.canMesh = allowed;
+    element<HTMLButtonElement>("go").disabled = !allowed;
+    element<HTMLButtonElement>("submit").disabled = !allowed || this.isAskingForJob;
   }
 
   /** The command line and the Python that make the same mesh, and save it as the menu says. */
@@ -198,12 +203,18 @@ export class MeshView {
 
   private async submitJob(): Promise<void> {
     const mesh = this.choice.request();
-    if (!mesh) return;
+    if (!mesh || this.isAskingForJob) return;
     this.choice.use();
-    const job = await unary("JobService/CreateJob", CreateJobRequestSchema,
-      create(CreateJobRequestSchema, { job: { mesh, displayName: this.choice.file } }), JobSchema, options());
-    element("status").textContent = `${job.name} is queued`;
-    location.hash = "#jobs";
+    this.isAskingForJob = true;
+    this.allowMeshing(this.canMesh);
+    try {
+      const job = await askForJob(mesh, this.choice.file);
+      element("status").textContent = `${job.name} is queued`;
+      location.hash = "#jobs";
+    } finally {
+      this.isAskingForJob = false;
+      this.allowMeshing(this.canMesh);
+    }
   }
 
   private redraw(): void {
