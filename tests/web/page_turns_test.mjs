@@ -1,4 +1,4 @@
-// What somebody does in the page before it is done with what was asked for last.
+// What somebody does in the page before it is done with what was asked for last, and what the page does without.
 //   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_turns_test.mjs [PART...]
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
@@ -168,5 +168,34 @@ part("Turns", () => {
     await (await calls.next()).route.continue();
     await until(page, () => document.querySelectorAll('#job-rows tr').length === 2);
     assert.equal((await jobs()).length, 2);
+  });
+});
+
+/** In the page: a browser that draws with no graphics. */
+function hideWebGl() {
+  const other = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+    return /webgl/.test(kind) ? null : other.call(this, kind, ...more);
+  };
+}
+
+part("Blind", () => {
+  const held = stage();
+
+  it("meshes, saves and lists without a picture where there is no WebGL 2, and says so", async () => {
+    const page = await held.browser.open(held.server.url, { before: hideWebGl });
+    await until(page, () => document.body.dataset.server);
+    assert.match(await page.textContent("#alert"), /not shown: this browser has no WebGL 2/);
+    await chooseBall(page, held);
+    await mesh(page);
+    assert.equal(await triangles(page), await outsideOf(page));
+    await page.selectOption("#format", "stl");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click("#save")]);
+    assert.equal(readFileSync(await download.path()).readUInt32LE(80), await outsideOf(page));
+    await page.click("#submit");
+    await page.waitForSelector('#job-rows tr[data-state="succeeded"]');
+    await page.click('nav a[href="#server"]');
+    await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));
+    assert.match(await page.textContent("#alert"), /no WebGL 2/);
   });
 });

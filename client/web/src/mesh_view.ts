@@ -12,7 +12,7 @@ import { alertOf, count, element, explain, made, options, short, sizeOf } from "
 import { drawQuality, type Promised } from "./quality_view";
 import { RpcError, unary } from "./rpc";
 import type { WorstTet } from "./tet_mesh";
-import { Viewer } from "./viewer";
+import { pictureOn } from "./viewer";
 import { WorkerRuns } from "./worker_runs";
 
 // Degrees that every angle of a preset keeps: GetCapabilities says them.
@@ -27,7 +27,7 @@ function mostTets(): number {
 }
 
 export class MeshView {
-  private readonly viewer = new Viewer(element<HTMLCanvasElement>("canvas"));
+  private readonly picture = pictureOn(element<HTMLCanvasElement>("canvas"));
   private readonly worker = new WorkerRuns((message) => this.take(message), (why) => this.lose(why));
   private readonly choice = new MeshChoice(() => this.estimate());
   private canMesh = false;
@@ -178,7 +178,7 @@ export class MeshView {
     element("quality").textContent = "";
     element("status").textContent = "Waiting for the server…";
     element<HTMLProgressElement>("progress").removeAttribute("value");
-    this.viewer.clear();
+    this.picture.clear();
     this.worker.start({ kind: "start", method, request, token: options().token, mostTets: mostTets() });
   }
 
@@ -281,7 +281,7 @@ export class MeshView {
     if (event.case !== "header") return;
     this.header = event.value;
     const [low, high] = this.bounds(event.value);
-    this.viewer.look(low, high);
+    this.picture.look(low, high);
     this.keepsTets = keepsTets;
     if (!keepsTets) alertOf("The mesh is more than a tab holds: its surface alone is drawn. The command line saves all of it.");
     element<HTMLSelectElement>("cut-axis").disabled = !keepsTets;
@@ -289,7 +289,7 @@ export class MeshView {
   }
 
   private takeSurface(message: FromWorker & { kind: "surface" }): void {
-    this.viewer.show(message.surface, () => this.worker.send({ kind: "drawn" }, message.run));
+    this.picture.show(message.surface, () => this.worker.send({ kind: "drawn" }, message.run));
     const triangles = message.surface.triangles;
     const canvas = element("canvas");
     canvas.dataset["triangles"] = String(triangles);
@@ -326,7 +326,7 @@ export class MeshView {
       button.type = "button";
       button.addEventListener("click", () => {
         const size = this.header!.spacing * 4;
-        this.viewer.look(one.at.map((x) => x - size), one.at.map((x) => x + size), true);
+        this.picture.look(one.at.map((x) => x - size), one.at.map((x) => x + size), true);
       });
     }
   }
@@ -334,6 +334,6 @@ export class MeshView {
   /** Thin walls as boxes, edges that are no manifold as lines. */
   private mark(trailer: MeshTrailer, seams: Float32Array): void {
     const regions = trailer.thinWalls?.regions ?? [];
-    this.viewer.mark(regions.map((region) => this.relative(region.box)), seams);
+    this.picture.mark(regions.map((region) => this.relative(region.box)), seams);
   }
 }

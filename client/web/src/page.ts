@@ -26,8 +26,18 @@ export function options(more: Partial<CallOptions> = {}): CallOptions {
   return { token, ...more };
 }
 
+// What is wrong for as long as the page is open.
+let standing = "";
+
+/** Says what is wrong now, or with no text that nothing is. */
 export function alertOf(text: string): void {
-  element("alert").textContent = text;
+  element("alert").textContent = [standing, text].filter(Boolean).join("\n");
+}
+
+/** Says what stays wrong, whatever is said later. */
+export function standingAlert(text: string): void {
+  standing = text;
+  alertOf("");
 }
 
 /** Says what went wrong and what to do. */

@@ -5,12 +5,39 @@ import {
   type PixelFormat, type TextureDataType } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { kTextureWidth, type Surface } from "./drawing";
+import { standingAlert } from "./page";
 import { surfaceMaterial } from "./surface_material";
 
 // Where the lamp is, beside the camera.
 const kLamp = new Vector3(0.4, 0.7, 1);
 
-export class Viewer {
+/** What is shown of a mesh. */
+export interface Picture {
+  clear(): void;
+  /** Draws a surface. Its arrays are dropped when the canvas has them, and `taken` is called. */
+  show(surface: Surface, taken: () => void): void;
+  /** Marks what deserves a look: boxes, and lines by their ends. Seen through the surface. */
+  mark(boxes: [number[], number[]][], ends: Float32Array): void;
+  /** Looks at a box from the front, or with `near` from close by. */
+  look(low: number[], high: number[], near?: boolean): void;
+}
+
+/** Shows nothing, and takes every surface at once, so that the next may come. */
+const kNoPicture: Picture = { clear: () => {}, show: (_, taken) => taken(), mark: () => {}, look: () => {} };
+
+/** The picture on a canvas. A browser without WebGL 2 has none, which the page says; all else works without. */
+export function pictureOn(canvas: HTMLCanvasElement): Picture {
+  try {
+    return new Viewer(canvas);
+  } catch (error) {
+    canvas.hidden = true;
+    standingAlert("Meshes are made and saved but not shown: this browser has no WebGL 2 " +
+      `(${(error as Error).message})`);
+    return kNoPicture;
+  }
+}
+
+class Viewer implements Picture {
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(40, 1, 0.01, 1000);
   private readonly renderer: WebGLRenderer;
@@ -46,7 +73,6 @@ export class Viewer {
     this.draw();
   }
 
-  /** Draws a surface. Its arrays are dropped when the canvas has them, and `taken` is called. */
   show(surface: Surface, taken: () => void): void {
     this.put("corners", surface.corners, RedIntegerFormat, UnsignedIntType);
     this.put("places", surface.places, RedFormat, FloatType);
@@ -85,7 +111,6 @@ export class Viewer {
     this.marks.clear();
   }
 
-  /** Marks what deserves a look: boxes, and lines by their ends. Seen through the surface. */
   mark(boxes: [number[], number[]][], ends: Float32Array): void {
     this.clearMarks();
     for (const [low, high] of boxes) {
@@ -99,7 +124,6 @@ export class Viewer {
     this.draw();
   }
 
-  /** Looks at a box from the front, or with `near` from close by. */
   look(low: number[], high: number[], near = false): void {
     const box = new Box3(new Vector3(...low), new Vector3(...high));
     const middle = box.getCenter(new Vector3());
