@@ -28,9 +28,9 @@ struct NameRule {
 std::vector<std::string> names_in_file(std::span<const std::string> names,
                                        const NameRule& rule);
 
-/// The same of arrays of one or three components, where a format has each as an array of its
-/// own, which is called like the whole or with `_x`, `_y` and `_z` behind that: no two of those
-/// are alike.
+/// Names arrays of one or three components likewise, where a format has each component as an
+/// array of its own, which is called like the whole or with `_x`, `_y` and `_z` behind that: no
+/// two of those are alike.
 std::vector<std::string> array_names_in_file(std::span<const std::string> names,
                                              std::span<const std::uint32_t> components,
                                              const NameRule& rule);
