@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import weakref
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
@@ -17,9 +16,11 @@ from ._errors import NotFoundError, invalid
 from ._labels import Labels
 from ._request import Meshable, Request, StoredVolume
 from ._solid import Solid
+from ._uploads import Uploads
 from ._volume import Volume
 
 T = TypeVar("T")
+_Used = list[tuple[Meshable, _tetstream.StoredVolume]]  # what was uploaded for a call, and its names
 _STORED = "grids/"
 _HERE = "here/"
 
@@ -130,13 +131,10 @@ class Served:
 
     def __init__(self, address: str, options: _tetstream.ClientOptions) -> None:
         self.client = _tetstream.Client(address, options)
-        self._uploaded: weakref.WeakKeyDictionary[Volume | Labels, _tetstream.StoredVolume] = (
-            weakref.WeakKeyDictionary())
+        self._uploads = Uploads()
 
     def upload(self, volume: Volume | Labels, options: _tetstream.Options) -> StoredVolume:
-        ours: _tetstream.Volume | _tetstream.Labels = (
-            volume._labels if isinstance(volume, Labels) else volume._volume)
-        stored = self._uploaded[volume] = self.client.upload(ours, options)
+        stored = self._uploads.renewed(volume, options, lambda: self._upload(volume, options))
         return StoredVolume(stored.name, stored.grid, isinstance(volume, Labels))
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
@@ -196,38 +194,46 @@ class Served:
         uploading = _tetstream.Options()
         uploading.deadline = options.deadline
         uploading.stop = options.stop
+        used: _Used = []
         try:
-            return work(self._stored(volume, uploading))
+            return work(self._stored(volume, uploading, used))
         except NotFoundError as error:
-            leaves = volume._leaves() if isinstance(volume, Solid) else [volume]
-            ours = [leaf for leaf in leaves if isinstance(leaf, (Volume, Labels)) and leaf in self._uploaded]
-            if error.reason != "GRID_NOT_FOUND" or not ours:
+            if error.reason != "GRID_NOT_FOUND" or not used:
                 raise
-        for leaf in ours:
-            del self._uploaded[leaf]
-        return work(self._stored(volume, uploading))
+        for leaf, stored in used:
+            if isinstance(leaf, (Volume, Labels)):
+                self._uploads.forget(leaf, uploading, stored)
+        return work(self._stored(volume, uploading, []))
 
     def _stored(
-        self, volume: Meshable, options: _tetstream.Options
+        self, volume: Meshable, options: _tetstream.Options, used: _Used
     ) -> _tetstream.StoredVolume | _tetstream.Scene:
         if isinstance(volume, Solid):
-            nodes = volume._nodes(lambda leaf: self._stored_volume(leaf, options).name)
+            nodes = volume._nodes(lambda leaf: self._stored_volume(leaf, options, used).name)
             return _tetstream.Scene.from_json(json.dumps({"nodes": nodes}), [])
-        return self._stored_volume(volume, options)
+        return self._stored_volume(volume, options, used)
 
-    def _stored_volume(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.StoredVolume:
+    def _stored_volume(
+        self, volume: Meshable, options: _tetstream.Options, used: _Used
+    ) -> _tetstream.StoredVolume:
+        """The name of a volume, which is noted with it in `used` where it is one of this process."""
         if isinstance(volume, StoredVolume):
             if volume._here is not None:
                 raise invalid(f"{volume.name} is in this process: upload its volume by this Client")
             return _tetstream.StoredVolume(volume.name, volume.grid, list(volume.grids))
         if isinstance(volume, (Volume, Labels)):
-            if volume not in self._uploaded:
-                self.upload(volume, options)
-            return self._uploaded[volume]
-        path = os.fspath(volume)  # type: ignore[arg-type]
-        if path.startswith(_STORED):
-            return _tetstream.StoredVolume(path, "", [])
-        return self.client.upload_file(path, "", options)
+            ours = volume
+            stored = self._uploads.known(ours, options, lambda: self._upload(ours, options))
+        else:
+            path = os.fspath(volume)  # type: ignore[arg-type]
+            if path.startswith(_STORED):
+                return _tetstream.StoredVolume(path, "", [])
+            stored = self.client.upload_file(path, "", options)
+        used.append((volume, stored))
+        return stored
+
+    def _upload(self, volume: Volume | Labels, options: _tetstream.Options) -> _tetstream.StoredVolume:
+        return self.client.upload(volume._labels if isinstance(volume, Labels) else volume._volume, options)
 
 
 def _scene_here(solid: Solid) -> _tetstream.Scene:
