@@ -250,9 +250,10 @@ class Jobs:
     ) -> JobList:
         """Jobs, the newest first: those that have all these labels, one of the states, and a display name
         that begins so. At most `most`; 0 lists all."""
-        for state in states:
+        wanted = tuple(states)  # which may be an iterator
+        for state in wanted:
             member("state", state, STATES)
-        return self._backend.list(JobFilter(dict(labels or {}), tuple(states), display_name, most), timeout)[0]
+        return self._backend.list(JobFilter(dict(labels or {}), wanted, display_name, most), timeout)[0]
 
     def wait(self, job: Job | str, *, progress: Progress | None = None, timeout: float | None = None) -> Job:
         """Waits until a job is at its end, and returns it: `job.state` says how it ended."""

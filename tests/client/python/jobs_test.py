@@ -45,6 +45,7 @@ def test_many_are_found_by_their_labels(client):
     assert {job.state for job in ended} == {"succeeded"}
     listed = client.jobs.list(labels={"night": "1", "half": "1"}, states=["succeeded"])
     assert [job.name for job in listed] == [job.name for job in reversed(jobs[1::2])]
+    assert client.jobs.list(states=(state for state in ["failed", "expired"])) == []
     assert len(client.jobs.list(most=2)) == 2 and client.jobs.list(labels={"night": "2"}) == []
     assert client.jobs.list(display_name="nobody") == []
 
