@@ -12,7 +12,7 @@ from ._errors import Error
 from ._header import Header
 from ._mesh import Mesh
 from ._names import member
-from ._request import Progress, Request, VolumeLike
+from ._request import Progress, Request, VolumeLike, time_left
 from ._stream import MeshStream
 
 JobState = Literal["queued", "running", "succeeded", "failed", "cancelled", "expired"]
@@ -263,12 +263,13 @@ class Jobs:
         self, jobs: Iterable[Job | str], *, progress: Progress | None = None, timeout: float | None = None
     ) -> JobList:
         """Waits until all of them are at their ends, and returns them in this order. `progress` is told of
-        all together."""
+        all together, and `timeout` is for all of them."""
+        left = time_left(timeout)
         names = [_name(job) for job in jobs]
         ended = []
         for i, name in enumerate(names):
             tell = None if progress is None else _part_of(progress, i, len(names))
-            ended.append(self._backend.wait(name, tell, timeout))
+            ended.append(self._backend.wait(name, tell, left()))
         return ended
 
     def watch(
@@ -279,16 +280,18 @@ class Jobs:
         timeout: float | None = None,
     ) -> JobWatch:
         """Changes of these jobs, until all of them are at their ends; of all jobs, without an end, where none
-        are given. `after` is a revision to begin behind, 0 for all that is known; unless given from now on."""
+        are given. `after` is a revision to begin behind, 0 for all that is known; unless given from now on. `timeout` is
+        for all of the watch."""
+        left = time_left(timeout)
         given = [jobs] if isinstance(jobs, (Job, str)) else jobs
         names = None if given is None else {_name(job) for job in given}
         if after is None:
-            after = self._backend.list(JobFilter({}, (), "", 1), timeout)[1]
-            names = None if names is None else {name for name in names if not self.get(name).done}
+            after = self._backend.list(JobFilter({}, (), "", 1), left())[1]
+            names = None if names is None else {name for name in names if not self._backend.get(name, left()).done}
         if names is not None and not names:
             return JobWatch(None, set())
         only = next(iter(names)) if names is not None and len(names) == 1 else ""
-        return JobWatch(self._backend.watch(only, after, timeout), names)
+        return JobWatch(self._backend.watch(only, after, left()), names)
 
     def cancel(self, job: Job | str, *, timeout: float | None = None) -> Job:
         """Stops a job; one that is at its end stays as it is."""

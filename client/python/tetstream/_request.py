@@ -170,8 +170,7 @@ def options_of(
     skip_cache: bool = False,
 ) -> _tetstream.Options:
     """How a call is made. The arguments are those of `Client.mesh`."""
-    if timeout is not None and (math.isnan(timeout) or timeout < 0):
-        raise invalid(f"timeout {timeout} is no number of seconds from now on")
+    _check_timeout(timeout)
     options = _tetstream.Options()
     options.progress = progress
     options.deadline = None if timeout is None else time.time() + timeout
@@ -182,3 +181,17 @@ def options_of(
     if stop is not None:
         options.stop = stop
     return options
+
+
+def time_left(timeout: float | None) -> Callable[[], float | None]:
+    """Tells how many of these seconds are left, for what makes several calls within them."""
+    _check_timeout(timeout)
+    if timeout is None:
+        return lambda: None
+    end = time.monotonic() + timeout
+    return lambda: max(0.0, end - time.monotonic())
+
+
+def _check_timeout(timeout: float | None) -> None:
+    if timeout is not None and (math.isnan(timeout) or timeout < 0):
+        raise invalid(f"timeout {timeout} is no number of seconds from now on")

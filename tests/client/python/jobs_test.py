@@ -1,6 +1,8 @@
 """Jobs, on a server and in this process: the same calls with the same ends."""
 
 import datetime
+import itertools
+import time
 
 import pytest
 
@@ -106,6 +108,42 @@ def test_a_wait_ends_at_its_deadline(client):
     with pytest.raises(ts.DeadlineExceededError):
         client.jobs.wait(long, timeout=0.2)
     client.jobs.cancel(long)
+
+
+class Clocked:
+    """Jobs that are done as soon as some time has passed, and the time that each call was left."""
+
+    def __init__(self):
+        self.left = []
+
+    def _call(self, result, timeout):
+        self.left.append(timeout)
+        began = time.monotonic()
+        while time.monotonic() == began:
+            pass
+        return result
+
+    def wait(self, name, progress, timeout):
+        return self._call(ts.Job(name, "succeeded"), timeout)
+
+    def get(self, name, timeout):
+        return self._call(ts.Job(name, "running"), timeout)
+
+    def list(self, jobs, timeout):
+        return self._call(([], 0), timeout)
+
+    def watch(self, name, after, timeout):
+        return self._call(None, timeout)
+
+
+@pytest.mark.parametrize("call", [ts.Jobs.wait_all, ts.Jobs.watch])
+def test_a_timeout_is_for_all_jobs_together(call):
+    clocked = Clocked()
+    call(ts.Jobs(clocked), ["jobs/1", "jobs/2"], timeout=60)
+    assert len(clocked.left) > 1
+    assert 60 >= clocked.left[0] and all(one > next for one, next in itertools.pairwise(clocked.left))
+    with pytest.raises(ts.InvalidArgumentError, match="timeout -1"):
+        call(ts.Jobs(clocked), ["jobs/1"], timeout=-1)
 
 
 def test_jobs_of_this_process_are_made_in_their_order():
