@@ -34,7 +34,9 @@ from ._client import Client, Estimate
 from ._errors import (AccessError, CancelledError, DataLossError, DeadlineExceededError, Error,
                       FailedPreconditionError, InternalError, InvalidArgumentError, NotFoundError,
                       ResourceExhaustedError, StatusCode, UnavailableError)
-from ._jobs import Job, JobEvent, JobProgress, Jobs, JobWatch
+from ._job import Job, JobEvent, JobProgress
+from ._job_watch import JobWatch
+from ._jobs import Jobs
 from ._labels import Labels
 from ._header import (Boundary, FaceLabel, Fidelity, FieldArray, Header, Improvement, MeshLabel, MeshPart, Quality,
                       Ratio, Shapes, Statistics, SurfaceDistance, ThinWalls)

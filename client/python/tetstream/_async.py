@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike
 
 from . import _tetstream
 from ._client import LOCAL, Client
-from ._jobs import JobEvent, Jobs, JobWatch
 from ._header import Header, Statistics
+from ._job import JobEvent
+from ._job_watch import JobWatch
+from ._jobs import Jobs
 from ._mesh import Chunk, Mesh
 from ._request import stop_of_context
 from ._session import Session

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 from . import _tetstream
 from ._backends import Backend, Capabilities, Here, Served
 from ._errors import CancelledError, StatusCode
-from ._jobs import JobBackend, Jobs
+from ._job import JobBackend
+from ._jobs import Jobs
 from ._labels import Background, LabelNames, LabelRanges, LabelSizes, Labels, Smooth
 from ._local_jobs import LocalJobs
 from ._mesh import Mesh

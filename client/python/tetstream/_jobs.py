@@ -2,188 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
-import datetime
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from types import TracebackType
-from typing import Literal, Protocol
+from collections.abc import Iterable, Mapping
 
-from ._errors import Error
-from ._header import Header
+from ._job import STATES, Job, JobBackend, JobFilter, JobList, JobOrder, JobState
+from ._job_watch import JobWatch, watch_all, watch_some
 from ._mesh import Mesh
 from ._names import member
 from ._request import Progress, Request, VolumeLike, time_left
 from ._stream import MeshStream
-
-JobState = Literal["queued", "running", "succeeded", "failed", "cancelled", "expired"]
-JobChange = Literal["created", "started", "planned", "shard_done", "shard_dead", "finished", "retried",
-                    "determinism_alarm", "deleted", "replanned"]
-STATES: dict[str, JobState] = {
-    "queued": "queued", "running": "running", "succeeded": "succeeded", "failed": "failed",
-    "cancelled": "cancelled", "expired": "expired"}
-FINAL = ("succeeded", "failed", "cancelled", "expired")
-
-
-@dataclasses.dataclass(frozen=True)
-class JobProgress:
-    """How far a job is: its mesh is counted, then made in shards, which are runs of chunks.
-
-    fraction            that is done, 0 to 1
-    chunk_count         0 until the mesh is counted
-    chunks_per_second, eta   the rate, and the seconds that are left at it; 0 and None where unknown
-    """
-
-    fraction: float = 0
-    chunk_count: int = 0
-    done_chunks: int = 0
-    shard_count: int = 0
-    done_shards: int = 0
-    running_shards: int = 0
-    dead_shards: int = 0
-    chunks_per_second: float = 0
-    eta: float | None = None
-
-
-@dataclasses.dataclass(frozen=True)
-class Job:
-    """A job as it stood when it was asked for; `client.jobs.get(job)` asks again.
-
-    name         "jobs/{id}"; ids sort by time of creation
-    state        "queued", "running", or how it ended: "succeeded", "failed", "cancelled", "expired"
-    ttl, run_timeout   seconds from its creation, and from when it runs, to its end; None: for ever
-    version      one more with each change
-    created, started, finished   in UTC; None where it has not come so far
-    queue_position   how many jobs come before it; None in lists, and where nobody counts so far
-    error        why it has failed, was cancelled or has expired, as an exception that was not raised
-    cached       its result was stored before it was made
-    header       of its mesh, once that is counted; None in lists
-    """
-
-    name: str
-    state: JobState
-    display_name: str = ""
-    labels: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    priority: int = 0
-    ttl: float | None = None
-    run_timeout: float | None = None
-    version: int = 1
-    created: datetime.datetime | None = None
-    started: datetime.datetime | None = None
-    finished: datetime.datetime | None = None
-    queue_position: int | None = None
-    progress: JobProgress = JobProgress()
-    error: Error | None = None
-    cached: bool = False
-    header: Header | None = None
-
-    @property
-    def done(self) -> bool:
-        """Whether it is at its end, however that is."""
-        return self.state in FINAL
-
-
-@dataclasses.dataclass(frozen=True)
-class JobEvent:
-    """A change of a job, and how the job stood after it. `revision` grows from event to event."""
-
-    revision: int
-    name: str
-    version: int
-    change: JobChange
-    state: JobState
-    progress: JobProgress
-    time: datetime.datetime | None
-
-
-@dataclasses.dataclass(frozen=True)
-class JobOrder:
-    """What `Jobs.submit` is given beside the request."""
-
-    display_name: str
-    labels: Mapping[str, str]
-    priority: int
-    ttl: float | None
-    run_timeout: float | None
-    max_attempts: int | None
-    skip_cache: bool
-    request_id: str
-
-
-@dataclasses.dataclass(frozen=True)
-class JobFilter:
-    """What `Jobs.list` is given."""
-
-    labels: Mapping[str, str]
-    states: Sequence[JobState]
-    display_name_prefix: str
-    most: int
-
-
-JobList = list[Job]
-JobPage = tuple[list[Job], int]  # and the revision that it is of
-
-
-class EventSource(Protocol):
-    def next(self) -> JobEvent | None: ...
-    def close(self) -> None: ...
-
-
-class JobBackend(Protocol):
-    """Keeps jobs: a server, or this process."""
-
-    def submit(self, request: Request, order: JobOrder, timeout: float | None) -> Job: ...
-    def get(self, name: str, timeout: float | None) -> Job: ...
-    def list(self, jobs: JobFilter, timeout: float | None) -> JobPage: ...
-    def wait(self, name: str, progress: Progress | None, timeout: float | None) -> Job: ...
-    def watch(self, name: str, after: int, timeout: float | None) -> EventSource: ...
-    def cancel(self, name: str, timeout: float | None) -> Job: ...
-    def retry(self, name: str, timeout: float | None) -> Job: ...
-    def delete(self, name: str, timeout: float | None) -> None: ...
-    def fetch(self, name: str, progress: Progress | None, timeout: float | None) -> Mesh: ...
-    def stream(self, name: str, progress: Progress | None, timeout: float | None) -> MeshStream: ...
-
-
-class JobWatch:
-    """Changes of jobs, as they happen: an iterator of `JobEvent`s, which may be left at any time.
-
-        with client.jobs.watch(jobs) as watch:
-            for event in watch:
-                print(event.name, event.state, f"{event.progress.fraction:.0%}")
-    """
-
-    def __init__(self, source: EventSource | None, pending: set[str] | None) -> None:
-        self._source = source
-        self._names = None if pending is None else frozenset(pending)
-        self._pending = pending
-
-    def __iter__(self) -> Iterator[JobEvent]:
-        return self
-
-    def __next__(self) -> JobEvent:
-        while self._source is not None and (self._pending is None or self._pending):
-            event = self._source.next()
-            if event is None:
-                break
-            if self._names is not None and event.name not in self._names:
-                continue
-            if self._pending is not None and (event.state in FINAL or event.change == "deleted"):
-                self._pending.discard(event.name)
-            return event
-        self.close()
-        raise StopIteration
-
-    def close(self) -> None:
-        """Ends it. Any thread may call it."""
-        if self._source is not None:
-            self._source.close()
-
-    def __enter__(self) -> JobWatch:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 class Jobs:
@@ -281,17 +107,15 @@ class Jobs:
     ) -> JobWatch:
         """Changes of these jobs, until all of them are at their ends; of all jobs, without an end, where none
         are given. `after` is a revision to begin behind, 0 for all that is known; unless given from now on. `timeout` is
-        for all of the watch."""
+        for all of the watch.
+
+        Errors: Error (REVISION_COMPACTED, of all jobs: what came after `after` is forgotten in part, with jobs that were
+        deleted; list the jobs, and watch from now on)."""
         left = time_left(timeout)
+        if jobs is None:
+            return watch_all(self._backend, after, left)
         given = [jobs] if isinstance(jobs, (Job, str)) else jobs
-        names = None if given is None else {_name(job) for job in given}
-        if after is None:
-            after = self._backend.list(JobFilter({}, (), "", 1), left())[1]
-            names = None if names is None else {name for name in names if not self._backend.get(name, left()).done}
-        if names is not None and not names:
-            return JobWatch(None, set())
-        only = next(iter(names)) if names is not None and len(names) == 1 else ""
-        return JobWatch(self._backend.watch(only, after, left()), names)
+        return watch_some(self._backend, [_name(job) for job in given], after, left)
 
     def cancel(self, job: Job | str, *, timeout: float | None = None) -> Job:
         """Stops a job; one that is at its end stays as it is."""

@@ -13,7 +13,7 @@ from . import _tetstream
 from ._backends import Backend
 from ._errors import (CancelledError, DeadlineExceededError, Error, FailedPreconditionError, InternalError,
                       NotFoundError, StatusCode)
-from ._jobs import EventSource, Job, JobChange, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
+from ._job import EventSource, Job, JobChange, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
 from ._mesh import Mesh
 from ._request import Progress, Request, options_of, stop_of_context
 from ._stream import MeshStream
@@ -96,8 +96,9 @@ class LocalJobs:
                 return job
 
     def watch(self, name: str, after: int, timeout: float | None) -> EventSource:
-        if name:
-            self.get(name, None)
+        with self._changed:
+            if name and not any(event.name == name for event in self._events):
+                self._entry(name)
         return _Events(self, name, after, timeout)
 
     def cancel(self, name: str, timeout: float | None) -> Job:

@@ -8,7 +8,7 @@ from typing import Any
 from . import _tetstream
 from ._backends import Served
 from ._errors import error_of
-from ._jobs import EventSource, Job, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
+from ._job import EventSource, Job, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
 from ._header import Header
 from ._mesh import Mesh
 from ._request import Progress, Request, options_of

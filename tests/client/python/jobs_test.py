@@ -1,7 +1,9 @@
 """Jobs, on a server and in this process: the same calls with the same ends."""
 
+import contextlib
 import datetime
 import itertools
+import sqlite3
 import time
 
 import pytest
@@ -61,6 +63,56 @@ def test_changes_are_watched_until_the_end(client):
         assert changes[0] == "created" and changes[-1] == "finished" and "started" in changes
     assert [event.revision for event in seen] == sorted({event.revision for event in seen})
     assert list(client.jobs.watch(jobs)) == []  # nothing comes of what has ended
+
+
+def seen_of(client, jobs, **options):
+    """The changes that are told of each job, until the watch ends."""
+    seen = {}
+    with client.jobs.watch(jobs, timeout=running_server.GENEROUS_END, **options) as watch:
+        for event in watch:
+            seen.setdefault(event.name, []).append(event.change)
+    return seen
+
+
+def test_a_watch_ends_where_a_job_had_finished_before_it(client):
+    first, other = (client.jobs.submit(PART, spacing=spacing) for spacing in (0.3, 0.2))
+    client.jobs.wait_all([first, other])
+    with client.jobs.watch([first, other], after=0) as watch:
+        last = max(event.revision for event in watch)
+    assert seen_of(client, first, after=last) == seen_of(client, [first, other], after=last) == {}
+    second = client.jobs.submit(PART, spacing=0.3, display_name="later")
+    seen = seen_of(client, [first, second, first], after=last)
+    assert seen.keys() == {second.name} and seen[second.name][-1] == "finished"
+
+
+def test_a_watch_tells_of_all_tries_of_a_job(client):
+    job = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
+    client.jobs.cancel(job)
+    client.jobs.retry(job)
+    client.jobs.cancel(job)
+    other = client.jobs.wait(client.jobs.submit(PART, spacing=0.3))
+    seen = seen_of(client, [job, other], after=0)
+    assert [change for change in seen[job.name] if change != "started"] == ["created", "finished", "retried", "finished"]
+    client.jobs.delete(job)
+    seen = seen_of(client, [job, other], after=0)
+    assert seen[job.name][-1] == "deleted" and seen[other.name][-1] == "finished"
+
+
+def test_what_is_known_is_told_once_a_job_is_forgotten(tmp_path):
+    """As a server forgets those that ended long ago, with what was to be told of them."""
+    store = tmp_path / "store"
+    with running_server.RunningServer(store) as server, ts.Client(server.address) as client:
+        jobs = client.jobs.wait_all([client.jobs.submit(PART, spacing=spacing) for spacing in (0.3, 0.2)])
+        whole = seen_of(client, jobs, after=0)
+        with contextlib.closing(sqlite3.connect(store / "jobs.sqlite", isolation_level=None)) as rows:
+            rows.execute("UPDATE counters SET value = 1 + (SELECT min(revision) FROM events) WHERE name = 'compacted'")
+        assert seen_of(client, jobs, after=0) == whole
+        with client.jobs.watch(after=0) as watch:
+            told = [next(watch) for _ in range(sum(map(len, whole.values())))]
+        assert [event.revision for event in told] == sorted(event.revision for event in told)
+        with pytest.raises(ts.Error) as forgotten:
+            next(client.jobs.watch(after=1))
+        assert forgotten.value.reason == "REVISION_COMPACTED"
 
 
 def test_a_cancelled_job_is_tried_again(client):
