@@ -1,6 +1,7 @@
 #include "tetstream/session.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,6 +11,7 @@
 
 #include "client/python/extension/arrays.h"
 #include "client/python/extension/bindings.h"
+#include "client/python/extension/turn.h"
 #include "tetstream/client.h"
 #include "tetstream/stable_session.h"
 
@@ -19,7 +21,7 @@ namespace {
 using BoxRows = py::array_t<std::int32_t, py::array::c_style>;
 
 /// A session of either kind, watched for as long as it lives. One thread at a time may be in
-/// it, which Python sees to.
+/// it; what is told of it meanwhile is what was so before.
 template <class Kind>
 class HeldSession {
  public:
@@ -27,6 +29,7 @@ class HeldSession {
   HeldSession(const CallOptions& options, const Function& begin) : watch_(options.watch()) {
     const StreamOptions work = options.connected(watch_);
     session_ = value_of(watch_.call([&] { return begin(work); }));
+    note();
   }
   ~HeldSession() {
     watch_.stop();
@@ -36,22 +39,25 @@ class HeldSession {
   HeldSession(const HeldSession&) = delete;
   HeldSession& operator=(const HeldSession&) = delete;
 
-  auto mesh() const { return session_->mesh(); }
-  std::uint64_t tets_sent() const { return session_->tets_sent(); }
-  bool is_over() const { return session_->is_over(); }
+  auto mesh() {
+    const Use use(*this);
+    return session_->mesh();
+  }
+  std::uint64_t tets_sent() const { return tets_sent_; }
+  bool is_over() const { return over_; }
 
   Mesh in_order() {
+    const Use use(*this);
     return value_of(watch_.call([&] { return session_->in_order(); }));
   }
 
   template <class Solid>
-  void update(const Solid& solid) {
-    const Status status = watch_.call([&] { return session_->update(solid); });
-    if (!status.ok()) raise_error(status);
+  auto update(const Solid& solid) {
+    return take_frame([&] { return session_->update(solid); });
   }
 
   /// `boxes` has a row of six for each: its begin, and its end.
-  void update_replaced(const Volume& volume, const BoxRows& boxes) {
+  auto update_replaced(const Volume& volume, const BoxRows& boxes) {
     std::vector<SampleBox> replaced(static_cast<std::size_t>(boxes.shape(0)));
     const std::int32_t* row = boxes.data();
     for (SampleBox& box : replaced) {
@@ -59,21 +65,51 @@ class HeldSession {
       std::copy_n(row + 3, 3, box.end.begin());
       row += 6;
     }
-    const Status status = watch_.call([&] { return session_->update(volume, replaced); });
-    if (!status.ok()) raise_error(status);
+    return take_frame([&] { return session_->update(volume, replaced); });
   }
 
   /// Any thread may call it.
   void stop() const { watch_.stop(); }
 
   void end() {
+    const Use use(*this);
     const Status status = watch_.call([&] { return session_->end(); });
     if (!status.ok()) raise_error(status);
   }
 
  private:
+  /// A thread's turn.
+  class Use {
+   public:
+    explicit Use(HeldSession& held) : turn_(held.busy_, "session"), held_(held) {}
+    ~Use() { held_.note(); }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    const Turn turn_;
+    HeldSession& held_;
+  };
+
+  /// Returns the mesh of the frame, before another thread may have the session.
+  template <class Function>
+  auto take_frame(const Function& frame) {
+    const Use use(*this);
+    const Status status = watch_.call(frame);
+    if (!status.ok()) raise_error(status);
+    return session_->mesh();
+  }
+
+  void note() {
+    tets_sent_ = session_->tets_sent();
+    over_ = session_->is_over();
+  }
+
   Watch watch_;
   std::optional<Kind> session_;
+  std::atomic<bool> busy_{false};  ///< a thread has its turn
+  std::atomic<std::uint64_t> tets_sent_{0};
+  std::atomic<bool> over_{false};
 };
 
 using HeldPlain = HeldSession<Session>;

@@ -6,26 +6,10 @@
 #include <utility>
 
 #include "client/python/extension/arrays.h"
+#include "client/python/extension/turn.h"
 
 namespace tetstream::python {
 namespace {
-
-/// Keeps two threads out of one stream.
-class Turn {
- public:
-  explicit Turn(std::atomic<bool>& busy) : busy_(busy) {
-    if (busy_.exchange(true)) {
-      raise_error(
-          {StatusCode::kFailedPrecondition, "another thread is in this stream: take turns"});
-    }
-  }
-  ~Turn() { busy_ = false; }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  std::atomic<bool>& busy_;
-};
 
 using Clock = std::chrono::steady_clock;
 using Kept = std::shared_ptr<const void>;
@@ -62,7 +46,7 @@ void Stream::check_open() const {
 
 py::object Stream::next(bool alone) {
   check_open();
-  const Turn turn(busy_);
+  const Turn turn(busy_, "stream");
   if (!has_come()) {
     read(alone ? 1 : ahead_);
     if (!has_come()) {
@@ -94,7 +78,7 @@ void Stream::read(std::size_t most) {
 
 py::dict Stream::statistics() {
   check_open();
-  const Turn turn(busy_);
+  const Turn turn(busy_, "stream");
   if (has_come()) {
     raise_error({StatusCode::kFailedPrecondition,
                  "there are chunks to come: read the stream to its end"});

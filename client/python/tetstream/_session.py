@@ -72,11 +72,11 @@ class Session(Following[_tetstream.Session]):
         or a solid where the session began with one.
 
         Errors: those of `Client.mesh`; InvalidArgumentError (a frame of another kind),
-        FailedPreconditionError (the session is over), Error (the server ended it).
+        FailedPreconditionError (the session is over, or another thread is in it), Error (the server ended it).
         """
-        self._session.update(self._backend.frame(frame, options_of()))
-        self.mesh = Mesh(self._session.mesh)
-        return self.mesh
+        made = Mesh(self._session.update(self._backend.frame(frame, options_of())))
+        self.mesh = made
+        return made
 
     def __repr__(self) -> str:
         return f"<tetstream.Session: {self.mesh.header.tet_count:,} tets, {self.tets_sent:,} of them new>"

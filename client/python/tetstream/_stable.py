@@ -165,21 +165,21 @@ class StableSession(Following[_tetstream.StableSession]):
             raise invalid("a solid has no samples that are replaced: give `replaced` with volumes alone")
         try:
             if boxes is not None and isinstance(shape, _tetstream.Volume):
-                self._session.update_replaced(shape, boxes)
+                made = StableMesh(self._session.update_replaced(shape, boxes))
             else:
-                self._session.update(shape)
+                made = StableMesh(self._session.update(shape))
         except BaseException:
             if self.is_over and not was_over:
                 self.mesh._mesh = None
             raise
         self.mesh._mesh = None
-        self.mesh = StableMesh(self._session.mesh)
-        return self.mesh
+        self.mesh = made
+        return made
 
     def in_order(self) -> Mesh:
         """The mesh in its own order, as a copy, with all of its arrays: byte for byte the one that is made as a whole.
 
-        Errors: FailedPreconditionError (a failure has ended the session), ResourceExhaustedError (no memory).
+        Errors: FailedPreconditionError (a failure has ended the session, or another thread is in it), ResourceExhaustedError (no memory).
         """
         return Mesh(self._session.in_order())
 

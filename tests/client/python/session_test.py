@@ -1,8 +1,11 @@
 """Meshes that follow their shapes, here and on a server."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
+import running_server
 import tetstream as ts
 from conftest import assert_same, distances
 
@@ -99,3 +102,32 @@ def test_a_frame_elsewhere_needs_another_session(client):
     moved = ts.Volume.from_array(values, spacing=place["spacing"], origin=(0, 0, 0))
     with pytest.raises(ts.InvalidArgumentError, match="place of the voxels"):
         session.update(moved)
+
+
+def refuses(call):
+    """Whether it says that another thread is in the session."""
+    try:
+        call()
+    except ts.FailedPreconditionError as error:
+        return "another thread" in str(error)
+    return False
+
+
+@pytest.mark.parametrize("begin", [ts.session, ts.stable_session])
+def test_one_thread_at_a_time_is_in_a_session(begin):
+    session = begin(ts.sphere(0.03), spacing=0.002)
+    before, sent = session.mesh, session.tets_sent
+    with ThreadPoolExecutor(1) as other:
+        long = other.submit(session.update, ts.sphere(1))  # it takes minutes
+        try:
+            running_server.wait_until(lambda: refuses(lambda: session._session.mesh))
+            calls = [lambda: session.update(ts.sphere(0.04)), session.close]
+            if begin == ts.stable_session:
+                calls.append(session.in_order)
+            assert all(refuses(call) for call in calls)
+            assert session.mesh is before and session.tets_sent == sent and not session.is_over
+        finally:
+            session._session.stop()
+        with pytest.raises(ts.CancelledError):
+            long.result()
+    assert session.is_over

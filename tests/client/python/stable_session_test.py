@@ -161,4 +161,3 @@ def test_replaced_are_boxes_of_whole_samples():
     with ts.stable_session(ts.sphere(1), spacing=0.2) as session:
         with pytest.raises(ts.InvalidArgumentError, match="volumes"):
             session.update(ts.sphere(1), replaced=[])
-
