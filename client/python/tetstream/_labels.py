@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
@@ -136,7 +137,7 @@ def choice_of(
     if background not in _BACKGROUNDS:
         raise invalid(f"background {background!r} is none of {', '.join(map(repr, _BACKGROUNDS))}")
     choice = _tetstream.LabelChoice()
-    choice.set_only([] if labels is None or labels == _ALL else _ranges("labels", labels))
+    choice.set_only([] if labels is None or _is_all(labels) else _ranges("labels", labels))
     for merged in merge:
         choice.add_merge(_ranges("merge", merged))
     choice.background = background_label
@@ -144,19 +145,23 @@ def choice_of(
     for value, name in _named(label_names):
         choice.add_name(value, name)
     _set_smooth(choice, smooth)
-    for wanted, size in (label_sizes or {}).items():
+    for wanted, size in ({} if label_sizes is None else label_sizes).items():
         named = [wanted] if isinstance(wanted, tuple) else wanted
-        for first, last in [_EVERY] if wanted == _ALL else _ranges("label_sizes", named):
-            choice.add_size(first, last, float(size))
+        for first, last in [_EVERY] if _is_all(wanted) else _ranges("label_sizes", named):
+            choice.add_size(first, last, size)
     return choice
+
+
+def _is_all(wanted: object) -> bool:
+    return isinstance(wanted, str) and wanted == _ALL
 
 
 def _set_smooth(choice: _tetstream.LabelChoice, smooth: Smooth | None) -> None:
     if smooth is None:
         return
-    if smooth == "thin":
+    if isinstance(smooth, str) and smooth == "thin":
         choice.smoothing = _tetstream.LabelSmoothing.thin
-    elif isinstance(smooth, str) or not math.isfinite(smooth):
+    elif not isinstance(smooth, numbers.Real) or not math.isfinite(smooth):
         raise invalid(f"smooth {smooth!r} is neither a width in voxels nor 'thin'")
     elif smooth == 0:
         choice.smoothing = _tetstream.LabelSmoothing.none
@@ -168,7 +173,9 @@ def _ranges(option: str, wanted: LabelRanges) -> _Ends:
     """First and last values: of "1,4,7:12", of 4, or of [1, 4, range(7, 13)]."""
     if isinstance(wanted, str):
         return [_ends_of(option, word) for word in wanted.split(",")]
-    items = [wanted] if isinstance(wanted, (int, range)) else wanted
+    if isinstance(wanted, np.ndarray):
+        wanted = np.atleast_1d(wanted)
+    items = wanted if isinstance(wanted, Iterable) and not isinstance(wanted, range) else [wanted]
     ranges: _Ends = []
     for item in items:
         if isinstance(item, range) and item.step == 1:
@@ -176,15 +183,21 @@ def _ranges(option: str, wanted: LabelRanges) -> _Ends:
                 ranges.append((item[0], item[-1]))
         elif isinstance(item, range):
             ranges.extend((value, value) for value in item)
-        elif isinstance(item, tuple) and len(item) == 2:
-            ranges.append((int(item[0]), int(item[1])))
-        elif isinstance(item, (int, np.integer)):
-            ranges.append((int(item), int(item)))
         else:
-            raise invalid(f"{option} has {item!r}; it takes numbers, ranges, and text such as '1,4,7:12'")
+            ranges.append(_ends_of_item(option, item))
     if not ranges:
         raise invalid(f"{option} names no label: give one, or 'all'")
     return ranges
+
+
+def _ends_of_item(option: str, item: object) -> tuple[int, int]:
+    """Of a number, or of a tuple of the first and the last."""
+    match item:
+        case int() | np.integer():
+            return int(item), int(item)
+        case (int() | np.integer() as first, int() | np.integer() as last) if isinstance(item, tuple):
+            return int(first), int(last)
+    raise invalid(f"{option} has {item!r}; it takes numbers, ranges, and text such as '1,4,7:12'")
 
 
 def _ends_of(option: str, word: str) -> tuple[int, int]:

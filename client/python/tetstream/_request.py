@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
+import numpy as np
+
 from . import _tetstream
 from ._errors import invalid
 from ._labels import Background, LabelNames, LabelRanges, Labels, LabelSizes, Smooth, choice_of
@@ -98,7 +100,7 @@ class Request:
         """The request that a call's arguments make; those that were not given have their defaults."""
         if not isinstance(volume, Request):
             return cls(volume, **options)
-        given = [name for name, value in options.items() if value != _DEFAULTS[name]]
+        given = [name for name, value in options.items() if _is_given(value, _DEFAULTS[name])]
         if given:
             raise invalid(f"{given[0]} is given beside a Request: give it to the Request")
         return volume
@@ -116,7 +118,7 @@ class Request:
             low, high = self.box
             request.set_box((point("box[0]", low), point("box[1]", high)))
         if self.sizing is not None:
-            request.sizing = self.sizing if isinstance(self.sizing, str) else json.dumps(dict(self.sizing))
+            request.sizing = self.sizing if isinstance(self.sizing, str) else json.dumps(dict(self.sizing), default=_plain)
         request.improve = self.improve
         request.manifold = self.manifold
         request.statistics = self.statistics
@@ -138,7 +140,7 @@ class Request:
         volume = self.volume
         is_stored = isinstance(volume, StoredVolume) and (volume.labels or bool(volume.grids))
         return isinstance(volume, Labels) or is_stored or any(
-            getattr(self, name) != _DEFAULTS[name] for name in _LABEL_OPTIONS)
+            _is_given(getattr(self, name), _DEFAULTS[name]) for name in _LABEL_OPTIONS)
 
 
 VolumeLike = Meshable | Request
@@ -148,17 +150,32 @@ _LABEL_OPTIONS = ("labels", "merge", "background", "background_label", "label_na
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
 
 
+def _is_given(value: Any, default: Any) -> bool:
+    """Whether an option asks for anything beside its default; neither no merges nor a table of nothing does. Its value may
+    be an array, which is equal to nothing as a whole."""
+    if isinstance(value, Mapping) or default == ():
+        return len(value) > 0
+    return value is not None if default is None else bool(value != default)
+
+
 def _json_of_regions(regions: FaceRegions) -> str:
     """`{"bore": {...}}`, a list of regions with names, or JSON as docs/faces.md has it."""
     if isinstance(regions, str):
         return regions
     if not isinstance(regions, Mapping):
-        return json.dumps({"regions": [dict(region) for region in regions]})
+        return json.dumps({"regions": [dict(region) for region in regions]}, default=_plain)
     named: list[Any] = []
     for name, places in regions.items():
         for place in [places] if isinstance(places, Mapping) else places:
             named.append({"name": name, **place})
-    return json.dumps({"regions": named})
+    return json.dumps({"regions": named}, default=_plain)
+
+
+def _plain(value: object) -> object:
+    """Numbers and arrays of numpy as JSON has them."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise invalid(f"{value!r} is neither a number nor a text nor a list of them")
 
 
 def options_of(

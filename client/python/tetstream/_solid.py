@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import numbers
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -268,7 +269,7 @@ def _placed(solid: Solid, center: Point) -> Solid:
 
 
 def _three(name: str, value: float | Point) -> list[float]:
-    if isinstance(value, (int, float)):
+    if isinstance(value, numbers.Real):
         return [float(value)] * 3
     return list(point(name, value))
 

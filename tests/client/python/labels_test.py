@@ -55,10 +55,31 @@ def test_labels_are_integers_of_any_type(made, dtype):
     assert_same(ts.mesh(ts.Labels.from_array(bone(dtype)), faces=True), made)
 
 
-@pytest.mark.parametrize("wanted", ["4,7", [4, 7], [(4, 10)], "4:10", range(4, 8), np.array([4, 7])[:2].tolist()])
+@pytest.mark.parametrize("wanted", ["4,7", [4, 7], [(4, 10)], "4:10", range(4, 8), np.array([4, 7]),
+                                    np.array([4, 7]).tolist(), {np.int64(4), np.uint8(7)}, (value for value in (4, 7)),
+                                    [(np.int64(4), np.int16(10))]],
+                         ids=range(10))
 def test_labels_are_chosen_in_several_ways(labels, wanted):
     some = ts.mesh(labels, labels=wanted)
     assert [label.value for label in some.header.labels] == [4, 7]
+
+
+def test_numbers_and_arrays_of_numpy_are_taken(labels, ball):
+    for only in (np.int64(7), np.array(7)):
+        assert [label.value for label in ts.mesh(labels, labels=only).header.labels] == [7]
+    merged = ts.mesh(labels, merge=np.array([[4, 7]]))
+    assert [label.value for label in merged.header.labels] == [4, 1000]
+    plain = ts.mesh(labels, smooth=1, label_sizes={4: 2})
+    assert_same(ts.mesh(labels, smooth=np.float32(1), label_sizes={np.int64(4): np.float32(2)}), plain)
+    assert_same(ts.mesh(ball, sizing={"growth": np.float32(0.25)}), ts.mesh(ball, sizing={"growth": 0.25}))
+    with pytest.raises(ts.InvalidArgumentError, match="labels is given beside a Request"):
+        ts.mesh(ts.Request(labels), labels=np.array([4, 7]))
+
+
+def test_what_is_empty_asks_for_no_labels(ball, mesh):
+    """A program may hand on what it has been given."""
+    assert_same(ts.mesh(ball, merge=[], label_sizes={}, label_names={}), mesh)
+    assert_same(ts.mesh(ts.Request(ball), merge=np.array([])), mesh)
 
 
 def test_labels_are_merged_and_the_background_is_meshed(labels):
@@ -145,12 +166,16 @@ def test_names_come_from_a_table(tmp_path, labels):
     (lambda s: ts.mesh(s, labels="4,x"), "'x', which names no labels"),
     (lambda s: ts.mesh(s, labels=[4, "x"]), "labels has 'x'"),
     (lambda s: ts.mesh(s, labels=[]), "names no label"),
+    (lambda s: ts.mesh(s, labels=4.5), "labels has 4.5"),
+    (lambda s: ts.mesh(s, labels=[(4, 7.5)]), "labels has \\(4, 7.5"),
+    (lambda s: ts.mesh(s, labels=np.eye(2)), "labels has array"),
+    (lambda s: ts.mesh(s, smooth=[1]), "neither a width"),
     (lambda s: ts.mesh(s, labels=5), "5"),
     (lambda s: ts.mesh(s, smooth="flat"), "neither a width"),
     (lambda s: ts.mesh(s, smooth=9), "0 to 4 voxels"),
     (lambda s: ts.mesh(s, background="kept"), "background 'kept'"),
     (lambda s: ts.session(s), "do not go with a session"),
-], ids=range(13))
+], ids=range(17))
 def test_what_is_wrong_is_said(labels, call, said):
     with pytest.raises(ts.InvalidArgumentError, match=said):
         call(labels)

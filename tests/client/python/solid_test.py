@@ -162,3 +162,7 @@ def test_arrays_may_lie_along_other_axes(ball):
     assert_same(ts.mesh(ts.Volume.from_array(values[::-1], axes=("-x", "y", "z"), **given)), plain)
     with pytest.raises(ts.InvalidArgumentError, match="axes 'xyy'"):
         ts.Volume.from_array(values, axes="xyy", **given)
+
+
+def test_sizes_are_numbers_of_numpy_too():
+    assert ts.box(np.int64(2)).scale(np.float32(1.5)).to_json() == ts.box(2).scale(1.5).to_json()
