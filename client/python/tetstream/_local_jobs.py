@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import datetime
 import itertools
+import math
 import threading
 import time
 import uuid
@@ -12,13 +13,14 @@ import uuid
 from . import _tetstream
 from ._backends import Backend
 from ._errors import (CancelledError, DeadlineExceededError, Error, FailedPreconditionError, InternalError,
-                      NotFoundError, StatusCode)
+                      NotFoundError, StatusCode, invalid)
 from ._job import EventSource, Job, JobChange, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
 from ._mesh import Mesh
 from ._request import Progress, Request, options_of, stop_of_context
 from ._stream import MeshStream
 
 
+_EXPIRED = "JOB_EXPIRED"
 _LOOK_UP = 0.03  # seconds, as the library's own calls look whether they are stopped
 
 
@@ -31,6 +33,7 @@ class _Entry:
     order: JobOrder
     number: int
     stop: _tetstream.Stop
+    expires: float = math.inf  # as time.monotonic has it
     mesh: Mesh | None = None
 
 
@@ -50,6 +53,8 @@ class LocalJobs:
 
     def submit(self, request: Request, order: JobOrder, timeout: float | None) -> Job:
         request._wire()  # what is wrong with it is said now
+        if order.ttl is not None and not order.ttl > 0:
+            raise invalid(f"ttl {order.ttl} is not positive")
         with self._changed:
             for entry in self._entries.values():
                 if order.request_id and entry.order.request_id == order.request_id:
@@ -58,13 +63,14 @@ class LocalJobs:
             name = f"jobs/{number:08x}{uuid.uuid4().hex[:16]}"
             job = Job(name, "queued", order.display_name, dict(order.labels), order.priority, order.ttl,
                       order.run_timeout, created=_now())
-            self._entries[name] = _Entry(job, request, order, number, _tetstream.Stop())
+            self._entries[name] = _Entry(job, request, order, number, _tetstream.Stop(), _end_of(order))
             self._note(name, "created")
             self._start()
             return job
 
     def get(self, name: str, timeout: float | None) -> Job:
         with self._changed:
+            self._expire()
             entry = self._entry(name)
             if entry.job.state != "queued":
                 return entry.job
@@ -73,6 +79,7 @@ class LocalJobs:
 
     def list(self, jobs: JobFilter, timeout: float | None) -> JobPage:
         with self._changed:
+            self._expire()
             newest = sorted(self._entries.values(), key=lambda entry: -entry.number)
             chosen = [dataclasses.replace(entry.job, header=None) for entry in newest
                       if jobs.labels.items() <= entry.job.labels.items()
@@ -85,9 +92,10 @@ class LocalJobs:
         told = -1.0
         while True:
             with self._changed:
+                self._expire()
                 job = self._entry(name).job
                 if not job.done:
-                    patience.wait(self._changed)
+                    patience.wait(self._changed, self._next_end())
                     job = self._entry(name).job
             if progress is not None and job.progress.fraction > told:
                 told = job.progress.fraction
@@ -103,6 +111,7 @@ class LocalJobs:
 
     def cancel(self, name: str, timeout: float | None) -> Job:
         with self._changed:
+            self._expire()
             entry = self._entry(name)
             entry.stop.request()
             if entry.job.state == "queued":
@@ -113,12 +122,14 @@ class LocalJobs:
 
     def retry(self, name: str, timeout: float | None) -> Job:
         with self._changed:
+            self._expire()
             entry = self._entry(name)
             if not entry.job.done:
                 raise _refusal(f"{name} is {entry.job.state}: cancel it first, or wait", "JOB_ACTIVE")
             if entry.job.state == "succeeded":
                 raise _refusal(f"{name} has succeeded: there is nothing to retry", "JOB_SUCCEEDED")
             entry.stop = _tetstream.Stop()
+            entry.expires = _end_of(entry.order)
             entry.number = next(self._numbers)
             self._change(entry, "retried", state="queued", error=None, started=None, finished=None,
                          progress=JobProgress())
@@ -127,6 +138,7 @@ class LocalJobs:
 
     def delete(self, name: str, timeout: float | None) -> None:
         with self._changed:
+            self._expire()
             entry = self._entry(name)
             if not entry.job.done:
                 raise _refusal(f"{name} is {entry.job.state}: cancel it first", "JOB_ACTIVE")
@@ -165,6 +177,17 @@ class LocalJobs:
     def _queued(self) -> Entries:
         return [entry for entry in self._entries.values() if entry.job.state == "queued"]
 
+    def _expire(self) -> None:
+        """Ends what has waited for too long. Whoever looks at jobs calls it, so that nobody has to watch the clock."""
+        now = time.monotonic()
+        for entry in self._queued():
+            if entry.expires <= now:
+                self._finish(entry, None, _expired(entry))
+
+    def _next_end(self) -> float:
+        """When `_expire` has more to do."""
+        return min((entry.expires for entry in self._queued()), default=math.inf)
+
     @staticmethod
     def _place(entry: _Entry) -> tuple[int, int]:
         return -entry.job.priority, entry.number
@@ -188,6 +211,7 @@ class LocalJobs:
         """Makes jobs until none is queued."""
         while True:
             with self._changed:
+                self._expire()
                 queue = sorted(self._queued(), key=self._place)
                 if not queue:
                     self._works = False
@@ -199,11 +223,14 @@ class LocalJobs:
                 self._finish(entry, mesh, error)
 
     def _make(self, entry: _Entry) -> tuple[Mesh | None, Error | None]:
+        timeout, left = entry.order.run_timeout, max(0.0, entry.expires - time.monotonic())
         try:
             options = options_of(progress=lambda fraction: self._tell(entry, fraction),
-                                 timeout=entry.order.run_timeout)
+                                 timeout=left if timeout is None else min(timeout, left))
             options.stop = entry.stop
             return Mesh(self._backend.mesh(entry.request, options)), None
+        except DeadlineExceededError as error:
+            return None, _expired(entry) if entry.expires <= time.monotonic() else error
         except Error as error:
             return None, error
         except Exception as error:  # of a file that is not there, for instance
@@ -221,7 +248,8 @@ class LocalJobs:
             self._change(entry, "finished", state="succeeded", finished=_now(), header=mesh.header,
                          progress=JobProgress(1.0, chunks, chunks, 1, 1))
         else:
-            state = "cancelled" if isinstance(error, CancelledError) else "failed"
+            expired = error is not None and error.reason == _EXPIRED
+            state = "expired" if expired else "cancelled" if isinstance(error, CancelledError) else "failed"
             self._change(entry, "finished", state=state, finished=_now(), error=error)
 
 
@@ -238,11 +266,12 @@ class _Events:
     def next(self) -> JobEvent | None:
         with self._jobs._changed:
             while not self._closed:
+                self._jobs._expire()
                 for event in itertools.islice(self._jobs._events, self._next, None):
                     self._next = event.revision
                     if not self._name or event.name == self._name:
                         return event
-                self._patience.wait(self._jobs._changed)
+                self._patience.wait(self._jobs._changed, self._jobs._next_end())
         return None
 
     def close(self) -> None:
@@ -258,7 +287,8 @@ class _Patience:
         self._end = None if timeout is None else time.monotonic() + timeout
         self._stop = stop_of_context.get()
 
-    def wait(self, changed: threading.Condition) -> None:
+    def wait(self, changed: threading.Condition, until: float) -> None:
+        """For a change, or until that time."""
         left = None if self._end is None else self._end - time.monotonic()
         if left is not None and left <= 0:
             raise DeadlineExceededError("no change came in time", StatusCode.DEADLINE_EXCEEDED)
@@ -266,6 +296,9 @@ class _Patience:
             if self._stop.requested:
                 raise CancelledError("the call was cancelled", StatusCode.CANCELLED)
             left = min(_LOOK_UP, _LOOK_UP if left is None else left)
+        if until < math.inf:
+            rest = max(0.0, until - time.monotonic())
+            left = rest if left is None else min(left, rest)
         changed.wait(left)
 
 
@@ -275,6 +308,15 @@ def _now() -> datetime.datetime:
 
 def _cancelled() -> CancelledError:
     return CancelledError("the job was cancelled", StatusCode.CANCELLED, "JOB_CANCELLED")
+
+
+def _end_of(order: JobOrder) -> float:
+    return math.inf if order.ttl is None else time.monotonic() + order.ttl
+
+
+def _expired(entry: _Entry) -> DeadlineExceededError:
+    return DeadlineExceededError(f"{entry.job.name} was not finished within its ttl of {entry.order.ttl:g} s",
+                                 StatusCode.DEADLINE_EXCEEDED, _EXPIRED)
 
 
 def _refusal(message: str, reason: str) -> FailedPreconditionError:

@@ -162,6 +162,27 @@ def test_a_wait_ends_at_its_deadline(client):
     client.jobs.cancel(long)
 
 
+def test_a_job_is_stopped_when_it_has_lived_long_enough(client):
+    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002), ttl=0.3)
+    assert seen_of(client, long, after=0)[long.name][-1] == "finished"
+    ended = client.jobs.get(long)
+    assert ended.state == "expired" and ended.ttl == pytest.approx(0.3)
+    assert isinstance(ended.error, ts.DeadlineExceededError) and ended.error.reason == "JOB_EXPIRED"
+    with pytest.raises(ts.InvalidArgumentError, match="ttl"):
+        client.jobs.submit(PART, ttl=-1)
+
+
+def test_a_job_of_this_process_may_expire_before_its_turn():
+    with ts.Client() as here:
+        first = here.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
+        behind = [here.jobs.submit(PART, spacing=0.3, ttl=ttl) for ttl in (0.05, 0.1, 0.15)]
+        assert here.jobs.wait(behind[2]).state == "expired"
+        assert [event.state for event in here.jobs.watch(behind[1], after=0)] == ["queued", "expired"]
+        assert {job.name for job in here.jobs.list(states=["expired"])} == {job.name for job in behind}
+        assert here.jobs.get(behind[0]).error.reason == "JOB_EXPIRED" and not here.jobs.get(first).done
+        assert not here.jobs.retry(behind[0]).done  # it lives anew
+
+
 class Clocked:
     """Jobs that are done as soon as some time has passed, and the time that each call was left."""
 
