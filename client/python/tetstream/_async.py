@@ -158,6 +158,8 @@ class _AsyncFollowing(_Wrapped[S]):
     ) -> None:
         if kind is None:
             await self.close()
+        else:
+            self._sync._abandon()
 
 
 class AsyncSession(_AsyncFollowing[Session]):

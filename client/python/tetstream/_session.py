@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
 from . import _tetstream
 from ._backends import Backend
+from ._errors import Error
 from ._mesh import Mesh
 from ._request import Meshable, options_of
 
@@ -43,6 +45,14 @@ class Following(Generic[Native]):
     ) -> None:
         if kind is None:
             self.close()
+        else:
+            self._abandon()
+
+    def _abandon(self) -> None:
+        """Ends it at once, and raises nothing: an exception is on its way already."""
+        self._session.stop()
+        with contextlib.suppress(Error):
+            self._session.end()
 
 
 class Session(Following[_tetstream.Session]):

@@ -1,5 +1,6 @@
 """Meshes that follow their shapes, here and on a server."""
 
+import asyncio
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -131,3 +132,27 @@ def test_one_thread_at_a_time_is_in_a_session(begin):
         with pytest.raises(ts.CancelledError):
             long.result()
     assert session.is_over
+
+
+class Left(Exception):
+    """Of somebody who has seen enough."""
+
+
+@pytest.mark.parametrize("begin", ["session", "stable_session"])
+def test_a_session_that_an_exception_leaves_is_ended(server, client, begin):
+    async def leave():
+        async with ts.AsyncClient(server.address) as asynchronous:
+            async with await getattr(asynchronous, begin)(ts.sphere(1), spacing=0.2) as session:
+                sessions.append(session)
+                raise Left
+
+    sessions = []
+    with pytest.raises(Left):
+        with getattr(client, begin)(ts.sphere(1), spacing=0.2) as session:
+            sessions.append(session)
+            assert server.samples()["tetstream_calls_running"] == 1
+            raise Left
+    with pytest.raises(Left):
+        asyncio.run(leave())
+    running_server.wait_until(lambda: server.samples()["tetstream_calls_running"] == 0)
+    assert all(session.is_over for session in sessions)
