@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _tetstream
 from ._backends import Backend
-from ._errors import FailedPreconditionError, StatusCode, invalid
+from ._errors import Error, FailedPreconditionError, StatusCode, invalid
 from ._header import Header
 from ._mesh import Mesh
 from ._request import Meshable, options_of
@@ -29,6 +30,10 @@ def _boxes(replaced: ArrayLike) -> NDArray[np.int32]:
     if boxes.min() < most.min or boxes.max() > most.max:
         raise invalid(f"replaced goes from {boxes.min()} to {boxes.max()}: samples lie within {most.min} and {most.max}")
     return np.ascontiguousarray(boxes, dtype=np.int32).reshape(-1, 6)
+
+
+def _every_row(array: NDArray[Any]) -> NDArray[np.int64]:
+    return np.array([(0, len(array))], np.int64)
 
 
 class StableMesh:
@@ -52,8 +57,10 @@ class StableMesh:
     that ends the session, it raises FailedPreconditionError.
     """
 
-    def __init__(self, mesh: _tetstream.StableMesh) -> None:
+    def __init__(self, mesh: _tetstream.StableMesh, all_changed: bool = False) -> None:
+        """`all_changed`: nobody was told what the frame before was."""
         self._mesh: _tetstream.StableMesh | None = mesh
+        self._all_changed = all_changed
 
     @property
     def header(self) -> Header:
@@ -89,13 +96,13 @@ class StableMesh:
     def changed_vertices(self) -> NDArray[np.int64]:
         """Shape (k, 2): runs of slots that have another vertex than before or none any more; all of
         them where the mesh is renumbered."""
-        return self._now.changed_vertices
+        return _every_row(self.local_points) if self._all_changed else self._now.changed_vertices
 
     @property
     def changed_tets(self) -> NDArray[np.int64]:
         """Shape (k, 2): runs of slots that have another tet than before or none any more; all of them
         where the mesh is renumbered."""
-        return self._now.changed_tets
+        return _every_row(self.tets) if self._all_changed else self._now.changed_tets
 
     @property
     def renumbered(self) -> bool:
@@ -131,7 +138,8 @@ class StableSession(Following[_tetstream.StableSession]):
     and on a server; they depend on all of the frames, in their order. `in_order()` is the mesh that a `Session` has.
 
     A frame that cannot be meshed leaves the mesh as it was, and the next may fare better. After any other error the
-    session is over, and has no mesh: begin another. One thread at a time may be in it.
+    session is over, and has no mesh: begin another. Where Ctrl-C comes when the frame was taken already, `session.mesh` is of
+    that frame, with all of its slots changed. One thread at a time may be in it.
     """
 
     def __init__(self, session: _tetstream.StableSession, backend: Backend) -> None:
@@ -168,13 +176,23 @@ class StableSession(Following[_tetstream.StableSession]):
                 made = StableMesh(self._session.update_replaced(shape, boxes))
             else:
                 made = StableMesh(self._session.update(shape))
-        except BaseException:
+            self.mesh._mesh = None
+            self.mesh = made
+        except Error:
             if self.is_over and not was_over:
                 self.mesh._mesh = None
             raise
-        self.mesh._mesh = None
-        self.mesh = made
+        except BaseException:  # Ctrl-C, for instance, which may have come when the frame was taken
+            self._take_what_there_is()
+            raise
         return made
+
+    def _take_what_there_is(self) -> None:
+        """The session's mesh, whichever frame it is of."""
+        self.mesh._mesh = None
+        if not self.is_over:
+            with contextlib.suppress(Error):  # where another thread has the session, which takes the mesh
+                self.mesh = StableMesh(self._session.mesh, all_changed=True)
 
     def in_order(self) -> Mesh:
         """The mesh in its own order, as a copy, with all of its arrays: byte for byte the one that is made as a whole.

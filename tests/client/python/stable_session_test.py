@@ -113,6 +113,36 @@ def test_a_failure_that_ends_it_leaves_no_mesh(client, served):
         assert tets.max() < 2**32  # may be read
 
 
+class Interrupted:
+    """A session of the library where Ctrl-C comes when it has taken a frame."""
+
+    def __init__(self, session):
+        self._session = session
+
+    def __getattr__(self, name):
+        return getattr(self._session, name)
+
+    def update(self, frame):
+        self._session.update(frame)
+        raise KeyboardInterrupt
+
+
+def test_an_interrupted_update_leaves_the_mesh_that_there_is():
+    with ts.stable_session(ts.sphere(1), spacing=0.2) as session, ts.session(ts.sphere(1.1), spacing=0.2) as expected:
+        before, native = session.mesh, session._session
+        session._session = Interrupted(native)
+        with pytest.raises(KeyboardInterrupt):
+            session.update(ts.sphere(1.1))
+        session._session = native
+        with pytest.raises(ts.FailedPreconditionError, match="earlier frame"):
+            before.tets
+        mesh = session.mesh
+        assert mesh.header.tet_count == expected.mesh.header.tet_count and not session.is_over
+        assert mesh.changed_tets.tolist() == [[0, len(mesh.tets)]]
+        assert mesh.changed_vertices.tolist() == [[0, len(mesh.local_points)]]
+        assert session.update(ts.sphere(1.1)).changed_tets.size == 0
+
+
 def test_asyncio_has_it():
     async def follow():
         async with ts.AsyncClient() as client:
