@@ -175,7 +175,9 @@ def _ranges(option: str, wanted: LabelRanges) -> _Ends:
         return [_ends_of(option, word) for word in wanted.split(",")]
     if isinstance(wanted, np.ndarray):
         wanted = np.atleast_1d(wanted)
-    items = wanted if isinstance(wanted, Iterable) and not isinstance(wanted, range) else [wanted]
+    items: Iterable[Any] = [wanted]
+    if isinstance(wanted, Iterable) and not isinstance(wanted, range):
+        items = wanted
     ranges: _Ends = []
     for item in items:
         if isinstance(item, range) and item.step == 1:

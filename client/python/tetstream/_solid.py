@@ -269,7 +269,7 @@ def _placed(solid: Solid, center: Point) -> Solid:
 
 
 def _three(name: str, value: float | Point) -> list[float]:
-    if isinstance(value, numbers.Real):
+    if isinstance(value, (int, float, numbers.Real)):
         return [float(value)] * 3
     return list(point(name, value))
 

@@ -73,7 +73,7 @@ def test_its_types_are_whole_and_strict(tmp_path):
     done = subprocess.run(["mypy", "--strict", "--cache-dir", tmp_path, PACKAGE / "tetstream", tmp_path / "typed.py"],
                           check=False, capture_output=True, text=True, env={**os.environ, "MYPYPATH": str(PACKAGE)})
     assert "numpy.ndarray[Any, numpy.dtype[numpy.floating[numpy._typing._64Bit]]]" in done.stdout
-    for told in ("_header.Quality", "_jobs.Job", "_mesh.Mesh", "list[tetstream._mesh.Chunk]"):
+    for told in ("_header.Quality", "_job.Job", "_mesh.Mesh", "list[tetstream._mesh.Chunk]"):
         assert told in done.stdout, told
     assert 'has incompatible type "Literal[\'best\']"' in done.stdout
     assert "Found 1 error" in done.stdout, done.stdout
