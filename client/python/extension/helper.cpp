@@ -15,7 +15,11 @@ thread_local std::unique_ptr<Helper> idle;
 Helper::Helper()
     : forks_(forks.load()), thread_([this](const std::stop_token& stop) { serve(stop); }) {}
 
-void Helper::note_fork() { forks.fetch_add(1); }
+void Helper::note_fork() {
+  forks.fetch_add(1);
+  // Its thread is not there, and would be waited for when this thread ends.
+  static_cast<void>(idle.release());
+}
 
 bool Helper::is_of_this_process() const { return forks_ == forks.load(); }
 

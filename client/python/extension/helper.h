@@ -29,7 +29,8 @@ class Helper {
   /// What the work threw, if anything; to be asked once it is done.
   std::exception_ptr failure() const { return failure_; }
 
-  /// Threads do not live on in a process that was forked: call this there.
+  /// Threads do not live on in a process that was forked: call this there, on the one that
+  /// does.
   static void note_fork();
   bool is_of_this_process() const;
 

@@ -40,6 +40,9 @@ def _threads() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(_MOST_THREADS, thread_name_prefix="tetstream")
 
 
+os.register_at_fork(after_in_child=_threads.cache_clear)  # they are not there
+
+
 async def _run(on_cancel: Callable[[], object] | None, call: Callable[..., R], *given: Any, **named: Any) -> R:
     """Has a thread make the call. Whoever cancels the task has the work stopped, and waits for that."""
     loop = asyncio.get_running_loop()

@@ -12,6 +12,7 @@ import pytest
 
 import tetstream as ts
 from conftest import BUILD, ROOT
+from running_server import GENEROUS_END
 
 PACKAGE = ROOT / "client/python"
 PIP = [sys.executable, "-m", "pip", "--no-cache-dir", "--disable-pip-version-check"]
@@ -102,3 +103,27 @@ def test_the_help_has_a_first_mesh(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(inspect.cleandoc(ts.__doc__.split("\n\n", 1)[1].split("\n\nA volume")[0]), {})
     assert (tmp_path / "ball.vtu").stat().st_size > 10_000
+
+
+FORKING = """
+import asyncio, os, sys
+import tetstream as ts
+
+def count():
+    return ts.estimate(ts.sphere(1), spacing=0.5, threads=1).tet_count
+
+async def count_too():
+    return (await ts.AsyncClient().estimate(ts.sphere(1), spacing=0.5, threads=1)).tet_count
+
+assert count() == asyncio.run(count_too())  # by threads that stay
+child = os.fork()
+if child == 0:
+    {does}
+    sys.exit(7)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.parametrize("does", ["pass", "count()", "asyncio.run(count_too())"])
+def test_a_forked_process_works_and_ends(does):
+    assert run(sys.executable, "-c", FORKING.format(does=does), timeout=GENEROUS_END) == "7\n"
