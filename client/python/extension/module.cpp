@@ -4,10 +4,20 @@
 #include "client/python/extension/helper.h"
 #include "tetstream/version.h"
 
+namespace {
+
+void note_fork() {
+  tetstream::python::Helper::note_fork();
+  tetstream::python::become_main_thread();
+}
+
+}  // namespace
+
 PYBIND11_MODULE(_tetstream, module) {
   using namespace tetstream::python;
+  find_main_thread();
   py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
-                                                         py::cpp_function(&Helper::note_fork));
+                                                         py::cpp_function(&note_fork));
   module.def("version", [] { return tetstream::version(); });
   bind_volume(module);
   bind_labels(module);

@@ -13,14 +13,10 @@ constexpr std::chrono::milliseconds kLookUp{30};
 /// A later deadline is none: clocks cannot represent all of them.
 constexpr double kLastDeadline = 9e9;
 
-/// Only the thread that Python began with handles signals.
-bool handles_signals() {
-  static const unsigned long main_thread = py::module_::import("threading")
-                                               .attr("main_thread")()
-                                               .attr("ident")
-                                               .cast<unsigned long>();
-  return PyThread_get_thread_ident() == main_thread;
-}
+/// Only the thread that Python began with handles signals. Read and written with the GIL.
+unsigned long main_thread = 0;
+
+bool handles_signals() { return PyThread_get_thread_ident() == main_thread; }
 
 }  // namespace
 
@@ -35,6 +31,15 @@ void raise_error(const Status& status) {
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
   throw py::error_already_set();
 }
+
+void find_main_thread() {
+  main_thread = py::module_::import("threading")
+                    .attr("main_thread")()
+                    .attr("ident")
+                    .cast<unsigned long>();
+}
+
+void become_main_thread() { main_thread = PyThread_get_thread_ident(); }
 
 Watch::Watch(py::object progress,
              std::optional<double> deadline,

@@ -23,6 +23,12 @@ namespace py = pybind11;
 /// Raises the Python exception that belongs to a failure.
 [[noreturn]] void raise_error(const Status& status);
 
+/// Looks up which thread handles signals. Python runs for it, and may let other threads run
+/// meanwhile, so that the module does it before anybody can wait for a piece of work.
+void find_main_thread();
+/// In a process that was forked the one thread that is there handles signals.
+void become_main_thread();
+
 /// Whoever waits for a piece of work: lets other threads of Python run meanwhile, handles
 /// signals, tells progress, and stops the work when one of these raises an exception. Made and
 /// used with the GIL.

@@ -59,3 +59,26 @@ def test_stops_what_a_server_does(server):
                    first="stream = client.stream(ball, spacing=0.008, levels=0)")
     assert said[:2] == ["interrupted", "and well"]
     running_server.wait_until(lambda: server.samples()["tetstream_meshes_running"] == 0)
+
+
+FIRST_CALLS = """
+import threading
+import tetstream as ts
+
+def ask():
+    raise AssertionError("a call runs Python to learn which thread it is on")
+
+threading.main_thread = ask
+other = threading.Thread(target=ts.estimate, args=[ts.sphere(1)])
+other.start()
+ts.estimate(ts.sphere(1))
+other.join()
+print("done")
+"""
+
+
+def test_the_first_calls_of_two_threads_do_not_wait_for_each_other():
+    """None holds the GIL while it waits for another that needs it to learn which thread handles signals."""
+    done = subprocess.run([sys.executable, "-c", FIRST_CALLS], capture_output=True, text=True, check=False,
+                          timeout=running_server.GENEROUS_END)
+    assert (done.stdout, done.stderr) == ("done\n", "")
