@@ -74,6 +74,7 @@ void Stream::read(std::size_t most) {
     ahead_ = soon ? std::min(2 * ahead_, kMostAhead) : 1;
     return true;
   });
+  watch_.tell_reached();
 }
 
 py::dict Stream::statistics() {

@@ -87,6 +87,11 @@ void Watch::run(const std::function<void()>& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
+void Watch::tell_reached() try { tell(reached_->load()); } catch (py::error_already_set&) {
+  stop();
+  throw;
+}
+
 void Watch::finish() { tell(1); }
 
 void Watch::tell(double fraction) {

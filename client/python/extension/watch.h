@@ -53,6 +53,9 @@ class Watch {
     return *std::move(result);
   }
 
+  /// Tells how far a piece of work came, of those that are too short to be waited for. What the
+  /// caller's function raises stops the work.
+  void tell_reached();
   /// Tells that all is done, where progress is told at all.
   void finish();
   void stop() const { stop_source_.request_stop(); }

@@ -83,3 +83,27 @@ def test_tells_progress_while_it_is_read():
     for _ in ts.stream(make_ball(32), levels=0, progress=told.append):
         pass
     assert told == sorted(set(told)) and told[-1] == 1
+
+
+def test_tells_progress_of_chunks_that_come_at_once():
+    """Nobody waits for them as long as it takes to look how far they are."""
+    told = []
+    with ts.stream(make_ball(32), levels=0, progress=told.append) as stream:
+        for chunk in stream:
+            assert told and told[-1] >= (chunk.index + 1) / stream.header.chunk_count - 1e-9
+    assert told == sorted(set(told)) and told[-1] == 1
+
+
+def test_is_stopped_by_what_progress_raises():
+    told = []
+
+    def stop_once(fraction):
+        told.append(fraction)
+        if len(told) == 1:
+            raise RuntimeError("enough")
+
+    stream = ts.stream(make_ball(32), levels=0, progress=stop_once)
+    with pytest.raises(RuntimeError, match="enough"):
+        next(stream)
+    with pytest.raises(ts.CancelledError):
+        list(stream)
