@@ -144,7 +144,8 @@ py::dict to_python(const MeshHeader& header) {
       py::arg("spacing") = header.spacing, py::arg("levels") = header.levels,
       py::arg("fields") = fields_of(header), py::arg("parts") = parts_of(header),
       py::arg("id") = header.id, py::arg("face_labels") = face_labels_of(header),
-      py::arg("face_count") = header.face_count, py::arg("labels") = labels_of(header));
+      py::arg("face_count") = header.face_count, py::arg("labels") = labels_of(header),
+      py::arg("inside_guess") = header.inside_guess);
 }
 
 py::dict to_python(const Statistics& statistics) {

@@ -89,6 +89,7 @@ class Here:
     def sample(
         self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
     ) -> dict[str, Any]:
+        _refuse_labels(request.volume)
         return _tetstream.sample(self.frame(request.volume, options), points, request._wire(), options)
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
@@ -159,6 +160,7 @@ class Served:
     def sample(
         self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
     ) -> dict[str, Any]:
+        _refuse_labels(request.volume)
         wire = request._wire()
         return self.stored(request.volume, options,
                            lambda what: _tetstream.sample_there(self.client, what, points, wire, options))
@@ -267,6 +269,11 @@ def _labels_here(volume: Meshable) -> Labels:
         raise invalid(f"labels are asked for of a {type(volume).__name__}: give Labels, the path of an image, "
                       "or a solid")
     return volume if isinstance(volume, Labels) else Labels.from_file(volume)
+
+
+def _refuse_labels(volume: Meshable) -> None:
+    if isinstance(volume, Labels) or (isinstance(volume, StoredVolume) and volume.labels):
+        raise invalid("labels have no distances that could be sampled: give a Volume, a solid or a file of one")
 
 
 def _no_frame() -> Exception:

@@ -323,7 +323,7 @@ class Client:
         iso, inside, fields, threads, progress, timeout   as of `mesh`
 
         The same bytes here and on a server. Errors: those of `mesh`; InvalidArgumentError (a point that is not
-        finite).
+        finite, labels).
         """
         request = Request._of(volume, spacing=spacing, iso=iso, inside=inside, fields=fields)
         options = options_of(progress=progress, timeout=timeout, threads=threads)

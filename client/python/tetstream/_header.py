@@ -74,6 +74,8 @@ class Header:
     face_count        boundary faces
     labels            of a segmentation's mesh: what its tets are of, by ascending value, and last the background
                       where it is meshed; else empty
+    inside_guess      for people: which side of a volume's surface was taken for the inside, and why, where nothing
+                      says it; else empty
     """
 
     vertex_count: int
@@ -92,6 +94,7 @@ class Header:
     face_labels: tuple[FaceLabel, ...]
     face_count: int
     labels: tuple[MeshLabel, ...]
+    inside_guess: str
 
     @classmethod
     def _of(cls, told: dict[str, Any]) -> Header:

@@ -51,33 +51,35 @@ class Labels:
         cls,
         values: ArrayLike,
         *,
-        spacing: float | Sequence[float] = 1,
-        origin: Point = (0, 0, 0),
-        axes: Axes = "xyz",
+        spacing: float | Sequence[float] | None = None,
+        origin: Point | None = None,
+        axes: Axes | None = None,
         affine: ArrayLike | None = None,
     ) -> Labels:
         """Copies an array of labels: values[x, y, z].
 
         values   shape (nx, ny, nz), integers of any type, or booleans; brick by brick, so that no copy of 64
                  bits a voxel is made
-        spacing  from voxel to voxel, world units: one number, or three along x, y and z
-        origin   world coordinates of the middle of values[0, 0, 0]
+        spacing  from voxel to voxel, world units: one number, or three along x, y and z; 1 unless given
+        origin   world coordinates of the middle of values[0, 0, 0]; (0, 0, 0) unless given
         axes     the world's axis that each of the array's runs along: "zyx" for values[z, y, x], and
-                 ("-x", "y", "z") where the first runs towards lower x
+                 ("-x", "y", "z") where the first runs towards lower x; "xyz" unless given
         affine   instead of these three, as nibabel has it: shape (4, 4), and affine @ (i, j, k, 1) are the
                  world coordinates of the middle of values[i, j, k]
 
-        Errors: InvalidArgumentError (another shape, values that are no integers, axes that are none),
-        FailedPreconditionError (voxels without volume, more than 65,535 labels).
+        Errors: InvalidArgumentError (another shape, values that are no integers, axes that are none, an affine beside
+        what it is instead of), FailedPreconditionError (voxels without volume, more than 65,535 labels).
         """
         array = np.asarray(values)
         if array.ndim != 3:
             raise invalid(f"labels have the shape {array.shape}; three axes are needed, as values[x, y, z]")
         if affine is None:
-            first = point("origin", origin)
-            steps = axis_steps(axes, _three_spacings(spacing))
-        else:
+            first = point("origin", (0, 0, 0) if origin is None else origin)
+            steps = axis_steps(axes or "xyz", _three_spacings(1 if spacing is None else spacing))
+        elif spacing is None and origin is None and axes is None:
             first, steps = _parts_of(affine)
+        else:
+            raise invalid("affine says where voxels lie, and so do spacing, origin and axes: give it alone, or these")
         return cls(_tetstream.Labels.from_voxels(_integers(array), first, steps))
 
     @classmethod

@@ -175,7 +175,12 @@ def test_names_come_from_a_table(tmp_path, labels):
     (lambda s: ts.mesh(s, smooth=9), "0 to 4 voxels"),
     (lambda s: ts.mesh(s, background="kept"), "background 'kept'"),
     (lambda s: ts.session(s), "do not go with a session"),
-], ids=range(17))
+    (lambda s: ts.sample(s, [(0, 0, 0)]), "labels have no distances"),
+    (lambda s: ts.sample(ts.Client().upload(s), [(0, 0, 0)]), "labels have no distances"),
+    (lambda s: ts.Labels.from_array(bone(), affine=np.eye(4), spacing=1), "affine says where voxels lie"),
+    (lambda s: ts.Labels.from_array(bone(), affine=np.eye(4), origin=(0, 0, 0)), "affine says where voxels lie"),
+    (lambda s: ts.Labels.from_array(bone(), affine=np.eye(4), axes="xyz"), "affine says where voxels lie"),
+], ids=range(22))
 def test_what_is_wrong_is_said(labels, call, said):
     with pytest.raises(ts.InvalidArgumentError, match=said):
         call(labels)

@@ -365,3 +365,12 @@ def test_names_regions_of_the_surface(mesh):
         ts.mesh(volume, face_regions={"far": {"ball": {"centre": [9, 9, 9]}}})
     with pytest.raises(ts.InvalidArgumentError, match="not a list of face regions"):
         ts.mesh(volume, face_regions="[")
+
+
+def test_a_guess_of_the_inside_is_told(tmp_path, client):
+    fixture_file("raw-density", 0.1, tmp_path / "density.vdb")
+    guess = ts.mesh(tmp_path / "density.vdb").header.inside_guess
+    assert "density" in guess
+    assert client.mesh(tmp_path / "density.vdb").header.inside_guess == guess
+    assert ts.stream(tmp_path / "density.vdb").header.inside_guess == guess
+    assert ts.mesh(tmp_path / "density.vdb", inside="above", iso=0.5).header.inside_guess == ""

@@ -67,6 +67,13 @@ def test_refuses_what_is_no_place(client, ball, points, said):
             call(ball, points)
 
 
+def test_refuses_labels(client):
+    labels = ts.Labels.from_array(np.ones((3, 3, 3), np.uint8))
+    for call in (ts.sample, client.sample):
+        with pytest.raises(ts.InvalidArgumentError, match="labels have no distances"):
+            call(labels, [(0, 0, 0)])
+
+
 def test_is_stopped_by_what_progress_raises(client):
     def stop(fraction):
         raise RuntimeError("enough")
