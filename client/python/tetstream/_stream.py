@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _convert
+from ._errors import FailedPreconditionError, StatusCode
 from ._header import Header, Statistics
 from ._mesh import Chunk
 from ._share import Share
@@ -44,6 +45,7 @@ class MeshStream:
     def __init__(self, stream: ChunkSource, share: Share | None = None) -> None:
         self._stream = stream
         self._share = share
+        self._begun = False  # somebody has asked for a chunk
 
     @functools.cached_property
     def header(self) -> Header:
@@ -54,6 +56,7 @@ class MeshStream:
         return self
 
     def __next__(self) -> Chunk:
+        self._begun = True
         chunk = self._stream.next()
         if chunk is None:
             raise StopIteration
@@ -65,17 +68,22 @@ class MeshStream:
         return self._share or Share(0, self.header.vertex_count, 0, self.header.tet_count)
 
     def to_dolfinx(self, comm: Any, *, tags: bool = False) -> Any:
-        """The mesh as a `dolfinx.mesh.Mesh`, from what is left of the stream.
+        """The mesh as a `dolfinx.mesh.Mesh`, from all of the stream.
 
         comm   of mpi4py. Every rank reads a stream of its own: `client.stream(request, rank=comm.rank,
                size=comm.size)`. All ranks call this together.
         tags   also its cells' and facets', as of `Mesh.to_dolfinx`
+
+        Errors: those of reading it; FailedPreconditionError (a chunk has been read before).
         """
         piece = self._collected()
         return _convert.tagged_dolfinx(piece, comm) if tags else _convert.to_dolfinx(piece, comm)
 
     def _collected(self) -> _convert.Piece:
         """All that comes, as one piece."""
+        if self._begun:
+            raise FailedPreconditionError("chunks of this stream have been read, and are no longer there to make a whole mesh "
+                                          "of: begin another", StatusCode.FAILED_PRECONDITION)
         tets = np.empty((self.share.tet_count, 4), np.int64)
         points = np.empty((self.share.vertex_count, 3))
         # All ranks have the same columns, those without a chunk, too.

@@ -62,3 +62,15 @@ def test_says_what_a_rank_is(ball):
         ts.stream(ball, rank=2, size=2)
     with pytest.raises(ts.FailedPreconditionError, match="share has no statistics"):
         ts.stream(ball, rank=0, size=2).statistics
+
+
+@pytest.mark.parametrize("share", [{}, {"rank": 1, "size": 2}])
+def test_no_mesh_is_made_of_what_is_left_of_a_stream(large_ball, share):
+    read = ts.stream(large_ball, levels=0, **share)
+    next(read)
+    ended = ts.stream(large_ball, levels=0, **share)
+    whole = ended._collected()  # as dolfinx gets it
+    assert np.array_equal(whole.tets, joined([ts.stream(large_ball, levels=0, **share)])["tets"])
+    for stream in (read, ended):
+        with pytest.raises(ts.FailedPreconditionError, match="have been read"):
+            stream.to_dolfinx(None)
