@@ -6,7 +6,7 @@ import asyncio
 import contextvars
 import functools
 import os
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
@@ -43,25 +43,79 @@ def _threads() -> ThreadPoolExecutor:
 os.register_at_fork(after_in_child=_threads.cache_clear)  # they are not there
 
 
+class _Telling:
+    """Has the event loop call `progress` for a thread. What it raises stops the work, and is raised where that is awaited."""
+
+    def __init__(self, tell: Callable[[float], object]) -> None:
+        self._tell = tell
+        self._loop = asyncio.get_running_loop()
+        self._raised: Exception | None = None
+        self.stop: Callable[[], object] = _nothing
+
+    @classmethod
+    def of(cls, named: dict[str, Any]) -> _Telling | None:
+        """Takes the place of the `progress` of a call, where there is any."""
+        tell = named.get("progress")
+        if tell is None:
+            return None
+        telling = tell if isinstance(tell, cls) else cls(tell)
+        named["progress"] = telling
+        return telling
+
+    def __call__(self, fraction: float) -> None:
+        self._loop.call_soon_threadsafe(self._tell_now, fraction)
+
+    def _tell_now(self, fraction: float) -> None:
+        if self._raised is not None:
+            return
+        try:
+            self._tell(fraction)
+        except Exception as error:
+            self._raised = error
+            self.stop()
+
+    def check(self) -> None:
+        """Raises what was raised."""
+        if self._raised is not None:
+            raise self._raised from None
+
+
+def _nothing() -> None:
+    pass
+
+
 async def _run(on_cancel: Callable[[], object] | None, call: Callable[..., R], *given: Any, **named: Any) -> R:
     """Has a thread make the call. Whoever cancels the task has the work stopped, and waits for that."""
     loop = asyncio.get_running_loop()
     stop = _tetstream.Stop()
     context = contextvars.copy_context()
     context.run(stop_of_context.set, stop)
-    tell = named.get("progress")
-    if tell is not None:
-        named["progress"] = lambda fraction: loop.call_soon_threadsafe(tell, fraction)
+    telling = _Telling.of(named)
+    if telling is not None:
+        telling.stop = stop.request
     work: asyncio.Future[R] = loop.run_in_executor(
         _threads(), lambda: context.run(lambda: call(*given, **named)))
     try:
-        return await asyncio.shield(work)
+        return await _told(telling, asyncio.shield(work))
     except asyncio.CancelledError:
         (on_cancel or stop.request)()
         await asyncio.wait([work])
         if not work.cancelled():
             work.exception()  # of a work that was stopped: nobody else will ask
         raise
+
+
+async def _told(telling: _Telling | None, work: Awaitable[R]) -> R:
+    """What the work comes to, unless its progress has raised something."""
+    try:
+        done = await work
+    except Exception:
+        if telling is not None:
+            telling.check()
+        raise
+    if telling is not None:
+        telling.check()
+    return done
 
 
 def _next(items: Iterator[R]) -> R | None:
@@ -99,6 +153,10 @@ def _call_for(
 class AsyncMeshStream(_Wrapped[MeshStream]):
     """A `MeshStream` for asyncio: `async for chunk in stream`, and `async with` to stop it early."""
 
+    def __init__(self, sync: MeshStream, telling: _Telling | None = None) -> None:
+        super().__init__(sync)
+        self._telling = telling
+
     @property
     def header(self) -> Header:
         """The mesh's totals: enough to allocate all of it."""
@@ -118,7 +176,7 @@ class AsyncMeshStream(_Wrapped[MeshStream]):
         return self
 
     async def __anext__(self) -> Chunk:
-        chunk: Chunk | None = await _run(self._sync.close, _next, self._sync)
+        chunk: Chunk | None = await _told(self._telling, _run(self._sync.close, _next, self._sync))
         if chunk is None:
             raise StopAsyncIteration
         return chunk
@@ -134,6 +192,17 @@ class AsyncMeshStream(_Wrapped[MeshStream]):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _call_for_stream(
+    call: Callable[Concatenate[T, P], MeshStream]
+) -> Callable[Concatenate[_Wrapped[T], P], Coroutine[Any, Any, AsyncMeshStream]]:
+    @functools.wraps(call)
+    async def method(self: _Wrapped[T], /, *given: P.args, **named: P.kwargs) -> AsyncMeshStream:
+        telling = _Telling.of(named)
+        return AsyncMeshStream(await _run(None, call, self._sync, *given, **named), telling)
+
+    return method
 
 
 class _AsyncFollowing(_Wrapped[S]):
@@ -234,7 +303,7 @@ class AsyncJobs(_Wrapped[Jobs]):
     retry = _call(Jobs.retry)
     delete = _call(Jobs.delete)
     fetch = _call(Jobs.fetch)
-    stream = _call_for(AsyncMeshStream, Jobs.stream)
+    stream = _call_for_stream(Jobs.stream)
 
 
 class AsyncClient(_Wrapped[Client]):
@@ -245,8 +314,8 @@ class AsyncClient(_Wrapped[Client]):
             async for chunk in await client.stream(ball):
                 use(chunk)
 
-    A task that is cancelled stops its work, here or on the server. `progress` is called in the event loop. The
-    arguments are those of `Client`.
+    A task that is cancelled stops its work, here or on the server. `progress` is called in the event loop,
+    and what it raises stops the work and is raised where that is awaited. The arguments are those of `Client`.
     """
 
     def __init__(
@@ -268,7 +337,7 @@ class AsyncClient(_Wrapped[Client]):
 
     mesh = _call(Client.mesh)
     estimate = _call(Client.estimate)
-    stream = _call_for(AsyncMeshStream, Client.stream)
+    stream = _call_for_stream(Client.stream)
     sample = _call(Client.sample)
     session = _call_for(AsyncSession, Client.session)
     stable_session = _call_for(AsyncStableSession, Client.stable_session)

@@ -69,6 +69,37 @@ def test_a_task_that_is_cancelled_stops_its_work(address):
     asyncio.run(work())
 
 
+class Enough(Exception):
+    """Of somebody who was told of progress."""
+
+
+def test_what_progress_raises_stops_the_work_and_is_raised(address):
+    def stop(fraction):
+        told.append(fraction)
+        raise Enough
+
+    async def work():
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: lost.append(context))
+        client = ts.AsyncClient(address)
+        job = await client.jobs.submit(ts.sphere(1), spacing=0.2)
+        stored = await client.upload(make_ball(40))
+        with pytest.raises(Enough):
+            await client.mesh(stored, spacing=0.002, progress=stop)  # it takes minutes
+        with pytest.raises(Enough):
+            await client.upload(make_ball(8), progress=stop)
+        with pytest.raises(Enough):
+            await client.jobs.wait(job, progress=stop)
+        stream = await client.stream(stored, levels=0, progress=lambda fraction: fraction > 0 and stop(fraction))
+        with pytest.raises(Enough):
+            async for _ in stream:
+                pass
+        assert len(told) == 4
+
+    told, lost = [], []
+    asyncio.run(asyncio.wait_for(work(), running_server.GENEROUS_END))
+    assert not lost
+
+
 def test_jobs_and_sessions_are_awaited(address):
     async def work():
         async with ts.AsyncClient(address) as client:
