@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import os
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _tetstream
-from ._errors import NotFoundError, invalid
+from ._errors import FailedPreconditionError, NotFoundError, invalid
 from ._labels import Labels
 from ._request import Meshable, Request, StoredVolume
 from ._solid import Solid
@@ -71,9 +72,12 @@ class Here:
         return StoredVolume(f"{_HERE}{id(volume):x}", "", isinstance(volume, Labels), _here=volume)
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
-        stored = StoredVolume(f"{_HERE}{path}", grid, _here=Volume.from_vdb(path, grid))
+        """The file stays where it is, too. What is meshed of it may be said later, as with a server."""
+        volume = None
+        with contextlib.suppress(FailedPreconditionError):  # of several grids, or none with an inside
+            volume = Volume.from_vdb(path, grid)
         _tell(options)
-        return stored
+        return StoredVolume(_HERE + os.path.abspath(path), grid, _here=volume)
 
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
         return _tetstream.mesh(self._shape(request, options), request._wire(), options)
@@ -109,9 +113,7 @@ class Here:
         if isinstance(volume, Solid):
             return _scene_here(volume)
         if isinstance(volume, StoredVolume):
-            if volume._here is None:
-                raise invalid(f"{volume.name} is stored by a server: mesh it by that server's Client")
-            volume = volume._here
+            volume = Volume.from_vdb(_path_here(volume), volume.grid) if volume._here is None else volume._here
         if isinstance(volume, Volume):
             return volume._volume
         if isinstance(volume, Labels):
@@ -220,7 +222,7 @@ class Served:
     ) -> _tetstream.StoredVolume:
         """The name of a volume, which is noted with it in `used` where it is one of this process."""
         if isinstance(volume, StoredVolume):
-            if volume._here is not None:
+            if volume._here is not None or volume.name.startswith(_HERE):
                 raise invalid(f"{volume.name} is in this process: upload its volume by this Client")
             return _tetstream.StoredVolume(volume.name, volume.grid, list(volume.grids))
         if isinstance(volume, (Volume, Labels)):
@@ -257,18 +259,26 @@ def _scene_here(solid: Solid) -> _tetstream.Scene:
 def _labels_here(volume: Meshable) -> Labels:
     """A segmentation of this process, or of a file."""
     if isinstance(volume, StoredVolume):
-        if volume._here is None:
-            raise invalid(f"{volume.name} is stored by a server: mesh it by that server's Client")
-        path, grid, grids = volume.name.removeprefix(_HERE), volume.grid, volume.grids
+        if volume._here is None or os.path.isabs(volume.name.removeprefix(_HERE)):
+            path = _path_here(volume)
+            if volume.grids:
+                return Labels.from_level_sets([Volume.from_vdb(path, name) for name in volume.grids])
+            return Labels.from_file(path, volume.grid)
         volume = volume._here
-        if isinstance(volume, Volume) and os.path.exists(path):  # uploaded as a file
-            if grids:
-                return Labels.from_level_sets([Volume.from_vdb(path, name) for name in grids])
-            return Labels.from_file(path, grid)
     if isinstance(volume, (Volume, Solid)):
         raise invalid(f"labels are asked for of a {type(volume).__name__}: give Labels, the path of an image, "
                       "or a solid")
     return volume if isinstance(volume, Labels) else Labels.from_file(volume)
+
+
+def _path_here(stored: StoredVolume) -> str:
+    """Of a file that `Here` has taken."""
+    path = stored.name.removeprefix(_HERE)
+    if not stored.name.startswith(_HERE):
+        raise invalid(f"{stored.name} is stored by a server: mesh it by that server's Client")
+    if not os.path.isabs(path):
+        raise invalid(f"{stored.name} is the name of a volume of this process, which has to be kept with it")
+    return path
 
 
 def _refuse_labels(volume: Meshable) -> None:
@@ -285,6 +295,8 @@ def _volume_of_leaf(leaf: Any) -> Volume:
         return leaf
     if isinstance(leaf, StoredVolume) and isinstance(leaf._here, Volume):
         return leaf._here
+    if isinstance(leaf, StoredVolume) and leaf._here is None:
+        return Volume.from_vdb(_path_here(leaf), leaf.grid)
     if isinstance(leaf, StoredVolume) or str(leaf).startswith(_STORED):
         raise invalid(f"{leaf} is stored by a server: mesh the solid by that server's Client")
     return Volume.from_vdb(leaf)

@@ -76,6 +76,34 @@ def test_the_same_calls_need_no_server(ball, mesh, tmp_path):
     assert repr(here) == "tetstream.Client(':local:')"
 
 
+@pytest.mark.parametrize("served", [False, True])
+def test_a_file_of_several_level_sets_is_stored(client, tmp_path, served):
+    """Which of them are meshed is said afterwards, also by the name alone."""
+    taken, path, names = client if served else ts.Client(":local:"), tmp_path / "parts.vdb", ("ring", "ball")
+    fixture_file("parts", 0.1, path)
+    stored = taken.upload_file(path)
+    grids = {name: ts.Volume.from_vdb(path, name) for name in names}
+    parts = ts.mesh(ts.Labels.from_level_sets(list(grids.values())))
+    assert_same(taken.mesh(ts.StoredVolume(stored.name, grids=names)), parts)
+    for name in names:
+        assert_same(taken.mesh(ts.StoredVolume(stored.name, name)), ts.mesh(grids[name]))
+    with pytest.raises(ts.FailedPreconditionError):
+        taken.mesh(stored)  # which of them?
+    with pytest.raises(ts.NotFoundError):
+        taken.upload_file(tmp_path / "none.vdb")
+    (tmp_path / "no.vdb").write_text("no grids")
+    with pytest.raises(ts.InvalidArgumentError):
+        taken.mesh(taken.upload_file(tmp_path / "no.vdb"))
+
+
+def test_a_name_of_this_process_is_for_this_process(client, ball):
+    kept = ts.StoredVolume(ts.Client(":local:").upload(ball).name)
+    with pytest.raises(ts.InvalidArgumentError, match="kept with it"):
+        ts.mesh(kept)
+    with pytest.raises(ts.InvalidArgumentError, match="is in this process"):
+        client.mesh(kept)
+
+
 def test_tells_what_the_server_says(client):
     client.check_health()
     told = client.capabilities()
