@@ -204,6 +204,17 @@ TEST_F(LibraryOnAServer, MakesTheMeshThatIsMadeHere) {
   }
 }
 
+TEST_F(LibraryOnAServer, TakesFieldsThatItStores) {
+  const Volume ball = BallSamples(16).volume();
+  const StoredVolume stored = client().upload(ball).value();
+  const Request here{.levels = 0, .fields = {{"distance", ball}}};
+  const Request there{.levels = 0, .fields = {{"distance", std::nullopt, stored}}};
+  expect_same(client().mesh(stored, there).value(), mesh(ball, here).value());
+  EXPECT_EQ(mesh(ball, there).status().code(), StatusCode::kInvalidArgument);
+  const Request nothing{.fields = {{"distance"}}};
+  EXPECT_EQ(client().mesh(stored, nothing).status().code(), StatusCode::kInvalidArgument);
+}
+
 TEST_F(LibraryOnAServer, StreamsEveryEncoding) {
   const StoredVolume ball = client().upload_file(ball_file(16)).value();
   const Mesh whole = client().mesh(ball).value();

@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <map>
+#include <utility>
 #include <vector>
+
+#include <absl/strings/str_cat.h>
 
 #include "client/library/api/core_request.h"
 #include "client/library/api/labels_impl.h"
@@ -14,6 +17,19 @@
 namespace tetstream {
 namespace {
 
+/// The server's name of a field's values, which are uploaded where they have none.
+absl::StatusOr<StoredVolume> stored_field(tet::MeshClient& meshes,
+                                          const Field& field,
+                                          const tet::Cancellation& cancellation) {
+  if (field.stored) return *field.stored;
+  if (!field.values) {
+    return absl::InvalidArgumentError(absl::StrCat("fields: ", field.name, " has no values"));
+  }
+  auto name = upload_volume(meshes, *field.values, {}, cancellation);
+  if (!name.ok()) return name.status();
+  return StoredVolume{*std::move(name)};
+}
+
 /// The message without what it is about.
 absl::StatusOr<v1::MeshRequest> bare_message(tet::MeshClient& meshes,
                                              const std::string& name,
@@ -23,9 +39,10 @@ absl::StatusOr<v1::MeshRequest> bare_message(tet::MeshClient& meshes,
   absl::StatusOr<tet::MeshRequest> core = core_request(request);
   if (!core.ok()) return core.status();
   for (std::size_t i = 0; i < core->fields.size(); ++i) {
-    auto stored = upload_volume(meshes, request.fields[i].values, {}, cancellation);
+    auto stored = stored_field(meshes, request.fields[i], cancellation);
     if (!stored.ok()) return stored.status();
-    core->fields[i].file = *std::move(stored);
+    core->fields[i].file = std::move(stored->name);
+    core->fields[i].grid = std::move(stored->grid);
   }
   return tet::wire_request(*core, name, grids);
 }

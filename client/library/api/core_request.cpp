@@ -124,11 +124,21 @@ absl::StatusOr<tet::MeshRequest> core_request(const Request& request) {
   core.skip_statistics = !request.statistics;
   core.coordinates = to_core(request.coordinates);
   for (const Field& field : request.fields) {
-    core.fields.push_back({.name = field.name, .components = field.values.impl().components});
+    core.fields.push_back({.name = field.name});
+    if (field.values) core.fields.back().components = field.values->impl().components;
   }
   if (request.labels) core.labels = to_core(*request.labels);
   core.levels = request.levels.value_or(tet::default_levels(core));
   return core;
+}
+
+absl::StatusOr<tet::MeshRequest> local_request(const Request& request) {
+  for (const Field& field : request.fields) {
+    if (field.values) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        "fields: ", field.name, " has no values; what a server stores is for its own calls"));
+  }
+  return core_request(request);
 }
 
 absl::StatusOr<tet::Shape> shape_of(const Volume& volume) {

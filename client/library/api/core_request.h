@@ -11,9 +11,11 @@
 
 namespace tetstream {
 
-/// The fields' volumes are loaded. Errors: kInvalidArgument (a sizing that is none; says
-/// where).
+/// For a server. Errors: kInvalidArgument (a sizing that is none; says where).
 absl::StatusOr<tet::MeshRequest> core_request(const Request& request);
+/// For this process: the fields' volumes are loaded. Errors: those of core_request;
+/// kInvalidArgument (a field without values).
+absl::StatusOr<tet::MeshRequest> local_request(const Request& request);
 
 /// Errors: kFailedPrecondition (a volume that has no inside).
 absl::StatusOr<tet::Shape> shape_of(const Volume& volume);

@@ -20,7 +20,7 @@ namespace tetstream {
 /// A session's request. Errors: those of core_request, kInvalidArgument (what does not go with
 /// a session).
 inline absl::StatusOr<tet::MeshRequest> session_request(const Request& request) {
-  absl::StatusOr<tet::MeshRequest> core = core_request(request);
+  absl::StatusOr<tet::MeshRequest> core = local_request(request);
   if (!core.ok()) return core;
   const absl::Status fits = check_features(
       features_of(*core) | tet::Features{tet::Feature::kSession}, tet::field_names(*core));

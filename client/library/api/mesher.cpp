@@ -27,7 +27,7 @@ template <class Solid>
 absl::StatusOr<Order> understand(const Solid& solid, const Request& request) {
   absl::StatusOr<tet::Shape> shape = shape_of(solid);
   if (!shape.ok()) return shape.status();
-  absl::StatusOr<tet::MeshRequest> core = core_request(request);
+  absl::StatusOr<tet::MeshRequest> core = local_request(request);
   if (!core.ok()) return core.status();
   // All labels are meshed unless the request says which.
   const bool is_labels = tet::labels_of(*shape) != nullptr || tet::grids_of(*shape) != nullptr;

@@ -75,7 +75,7 @@ Result<PointSamples> sample_of(const Solid& solid,
     if (!places.ok()) return to_public(places.status());
     absl::StatusOr<tet::Shape> shape = shape_of(solid);
     if (!shape.ok()) return to_public(shape.status());
-    absl::StatusOr<tet::MeshRequest> core = core_request(request);
+    absl::StatusOr<tet::MeshRequest> core = local_request(request);
     if (!core.ok()) return to_public(core.status());
     const auto sampler = tet::ShapeSampler::make(*std::move(shape), *std::move(core));
     if (!sampler.ok()) return to_public(sampler.status());

@@ -1,5 +1,6 @@
 #include "tetstream/request.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,6 +18,10 @@ void set_box(Request& request, const std::optional<std::pair<Point, Point>>& box
 
 void add_field(Request& request, std::string name, const Volume& values) {
   request.fields.push_back({std::move(name), values});
+}
+
+void add_stored_field(Request& request, std::string name, const StoredVolume& stored) {
+  request.fields.push_back({std::move(name), std::nullopt, stored});
 }
 
 }  // namespace
@@ -54,7 +59,8 @@ void bind_request(py::module_& module) {
       .def_readwrite("face_regions", &Request::face_regions)
       .def_readwrite("coordinates", &Request::coordinates)
       .def_readwrite("labels", &Request::labels)
-      .def("add_field", &add_field);
+      .def("add_field", &add_field)
+      .def("add_field", &add_stored_field);
   py::class_<std::stop_source>(module, "Stop")
       .def(py::init<>())
       .def("request", [](std::stop_source& stop) { stop.request_stop(); })

@@ -80,27 +80,27 @@ class Here:
         return StoredVolume(_HERE + os.path.abspath(path), grid, _here=volume)
 
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
-        return _tetstream.mesh(self._shape(request, options), request._wire(), options)
+        return _tetstream.mesh(self._shape(request, options), request._wire(_field_here), options)
 
     def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]:
-        return _tetstream.estimate(self._shape(request, options), request._wire(), options)
+        return _tetstream.estimate(self._shape(request, options), request._wire(_field_here), options)
 
     def stream(
         self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
-        return _tetstream.stream(self._shape(request, options), request._wire(), options, first, end)
+        return _tetstream.stream(self._shape(request, options), request._wire(_field_here), options, first, end)
 
     def sample(
         self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
     ) -> dict[str, Any]:
         _refuse_labels(request.volume)
-        return _tetstream.sample(self.frame(request.volume, options), points, request._wire(), options)
+        return _tetstream.sample(self.frame(request.volume, options), points, request._wire(_field_here), options)
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
-        return _tetstream.session(self.frame(request.volume, options), request._wire(), options)
+        return _tetstream.session(self.frame(request.volume, options), request._wire(_field_here), options)
 
     def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession:
-        return _tetstream.stable_session(self.frame(request.volume, options), request._wire(), options)
+        return _tetstream.stable_session(self.frame(request.volume, options), request._wire(_field_here), options)
 
     def capabilities(self, options: _tetstream.Options) -> Capabilities:
         return Capabilities(_tetstream.version(), "", 0, 0, 0, 0)
@@ -145,35 +145,29 @@ class Served:
         return StoredVolume(stored.name, stored.grid)
 
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
-        wire = request._wire()
-        return self.stored(request.volume, options, lambda what: self.client.mesh(what, wire, options))
+        return self.asked(request, options, lambda what, wire: self.client.mesh(what, wire, options))
 
     def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]:
-        wire = request._wire()
-        return self.stored(request.volume, options, lambda what: self.client.estimate(what, wire, options))
+        return self.asked(request, options, lambda what, wire: self.client.estimate(what, wire, options))
 
     def stream(
         self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
-        wire = request._wire()
-        return self.stored(request.volume, options,
-                           lambda what: self.client.stream(what, wire, options, first, end))
+        return self.asked(request, options,
+                          lambda what, wire: self.client.stream(what, wire, options, first, end))
 
     def sample(
         self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
     ) -> dict[str, Any]:
         _refuse_labels(request.volume)
-        wire = request._wire()
-        return self.stored(request.volume, options,
-                           lambda what: _tetstream.sample_there(self.client, what, points, wire, options))
+        return self.asked(request, options, lambda what, wire: _tetstream.sample_there(
+            self.client, what, points, wire, options))
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
-        return _tetstream.session_there(self.client, self.frame(request.volume, options), request._wire(),
-                                        options)
+        return self._begun(_tetstream.session_there, request, options)
 
     def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession:
-        return _tetstream.stable_session_there(self.client, self.frame(request.volume, options),
-                                               request._wire(), options)
+        return self._begun(_tetstream.stable_session_there, request, options)
 
     def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene:
         """What a session is given: volumes are needed here, to see what changes."""
@@ -193,21 +187,41 @@ class Served:
     def check_health(self, service: str, options: _tetstream.Options) -> None:
         self.client.check_health(service, options)
 
+    def asked(
+        self, request: Request, options: _tetstream.Options, work: Callable[[Any, _tetstream.Request], T]
+    ) -> T:
+        """Does `work` with what is meshed and how, once the server has all of it; again where it has evicted a volume."""
+        def do(uploading: _tetstream.Options, used: _Used) -> T:
+            wire = request._wire(lambda values: self._stored_volume(values, uploading, used))
+            return work(self._stored(request.volume, uploading, used), wire)
+
+        return self._tried(options, do)
+
     def stored(self, volume: Meshable, options: _tetstream.Options, work: Callable[[Any], T]) -> T:
-        """Does `work` with what is meshed, once the server has it; again where it has evicted a volume."""
+        """Does `work` with what is meshed, as `asked` does."""
+        return self._tried(options, lambda uploading, used: work(self._stored(volume, uploading, used)))
+
+    def _begun(self, begin: Callable[..., T], request: Request, options: _tetstream.Options) -> T:
+        """A session, which reads its first frame from what is here."""
+        frame = self.frame(request.volume, options)
+        return self._tried(options, lambda uploading, used: begin(
+            self.client, frame, request._wire(lambda values: self._stored_volume(values, uploading, used)), options))
+
+    def _tried(self, options: _tetstream.Options, do: Callable[[_tetstream.Options, _Used], T]) -> T:
+        """What `do` does, which notes the names that it has used; once more where one of them is evicted."""
         uploading = _tetstream.Options()
         uploading.deadline = options.deadline
         uploading.stop = options.stop
         used: _Used = []
         try:
-            return work(self._stored(volume, uploading, used))
+            return do(uploading, used)
         except NotFoundError as error:
             if error.reason != "GRID_NOT_FOUND" or not used:
                 raise
         for leaf, stored in used:
             if isinstance(leaf, (Volume, Labels)):
                 self._uploads.forget(leaf, uploading, stored)
-        return work(self._stored(volume, uploading, []))
+        return do(uploading, [])
 
     def _stored(
         self, volume: Meshable, options: _tetstream.Options, used: _Used
@@ -288,6 +302,17 @@ def _refuse_labels(volume: Meshable) -> None:
 
 def _no_frame() -> Exception:
     return invalid("labels do not go with a session: mesh each segmentation")
+
+
+def _field_here(values: Volume | StoredVolume) -> _tetstream.Volume:
+    if isinstance(values, StoredVolume):
+        kept = values._here
+        if kept is None:
+            return Volume.values_from_vdb(_path_here(values), values.grid)._volume
+        if isinstance(kept, Labels):
+            raise invalid(f"{values.name} has labels, which are no values of a field")
+        values = kept
+    return values._volume
 
 
 def _volume_of_leaf(leaf: Any) -> Volume:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from types import TracebackType
 
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ from ._jobs import Jobs
 from ._labels import Background, LabelNames, LabelRanges, LabelSizes, Labels, Smooth
 from ._local_jobs import LocalJobs
 from ._mesh import Mesh
-from ._request import (Box, Coordinates, Encoding, FaceRegions, Inside, Preset, Progress, Request, Sizing,
+from ._request import (Box, Coordinates, Encoding, FaceRegions, Fields, Inside, Preset, Progress, Request, Sizing,
                        StoredVolume, VolumeLike, options_of)
 from ._samples import Samples, rows_of
 from ._served_jobs import ServedJobs
@@ -119,7 +119,7 @@ class Client:
         fidelity: bool = False,
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
-        fields: Mapping[str, Volume] | None = None,
+        fields: Fields | None = None,
         labels: LabelRanges | None = None,
         merge: Sequence[LabelRanges] = (),
         background: Background = "left_out",
@@ -164,7 +164,8 @@ class Client:
                      named after it
         coordinates  how they are stored: "float32", "float64", or "automatic", which takes float64 where
                      float32 would bend the angle bounds
-        fields       {name: Volume}: arrays of values that the vertices get, at most 16
+        fields       {name: Volume}, or what `upload` or `upload_file` returned: arrays of values that the vertices
+                     get, at most 16. A server is sent them when they are asked for there for the first time
         labels       which labels of a segmentation are meshed: "1,4,7:12", 4, [1, 4, range(7, 13)]; all of
                      them unless given. This and the next six are for `Labels`, have a file read as such, and make
                      each part of a solid that is a union (`a | b`) a label, 1, 2, ... in their order; what
@@ -222,7 +223,7 @@ class Client:
         fidelity: bool = False,
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
-        fields: Mapping[str, Volume] | None = None,
+        fields: Fields | None = None,
         labels: LabelRanges | None = None,
         merge: Sequence[LabelRanges] = (),
         background: Background = "left_out",
@@ -280,7 +281,7 @@ class Client:
         fidelity: bool = False,
         face_regions: FaceRegions | None = None,
         coordinates: Coordinates = "automatic",
-        fields: Mapping[str, Volume] | None = None,
+        fields: Fields | None = None,
         labels: LabelRanges | None = None,
         merge: Sequence[LabelRanges] = (),
         background: Background = "left_out",
@@ -310,7 +311,7 @@ class Client:
         spacing: float | None = None,
         iso: float | None = None,
         inside: Inside | None = None,
-        fields: Mapping[str, Volume] | None = None,
+        fields: Fields | None = None,
         threads: int = 0,
         progress: Progress | None = None,
         timeout: float | None = None,

@@ -57,6 +57,8 @@ class StoredVolume:
     _here: Volume | Labels | None = dataclasses.field(default=None, repr=False, compare=False)
 
 
+Fields = Mapping[str, Volume | StoredVolume]
+NativeField = Callable[[Volume | StoredVolume], _tetstream.Volume | _tetstream.StoredVolume]
 Meshable = Volume | Labels | Solid | StoredVolume | str | os.PathLike[str]
 
 
@@ -86,7 +88,7 @@ class Request:
     fidelity: bool = False
     face_regions: FaceRegions | None = None
     coordinates: Coordinates = "automatic"
-    fields: Mapping[str, Volume] | None = None
+    fields: Fields | None = None
     labels: LabelRanges | None = None
     merge: Sequence[LabelRanges] = ()
     background: Background = "left_out"
@@ -105,8 +107,8 @@ class Request:
             raise invalid(f"{given[0]} is given beside a Request: give it to the Request")
         return volume
 
-    def _wire(self) -> _tetstream.Request:
-        """As the library takes it, without the volume."""
+    def _wire(self, field: NativeField | None = None) -> _tetstream.Request:
+        """As the library takes it, without the volume, and without fields unless there is who makes one of what is given."""
         request = _tetstream.Request()
         request.spacing = self.spacing
         request.iso = self.iso
@@ -127,11 +129,12 @@ class Request:
         if self.face_regions is not None:
             request.face_regions = _json_of_regions(self.face_regions)
         request.coordinates = member("coordinates", self.coordinates, _COORDINATES)
-        for name, values in (self.fields or {}).items():
-            request.add_field(name, values._volume)
         if self._asks_for_labels:
             request.labels = choice_of(self.labels, self.merge, self.background, self.background_label,
                                        self.label_names, self.smooth, self.label_sizes)
+        for name, values in (self.fields or {}).items():
+            if field is not None:
+                request.add_field(name, field(values))
         return request
 
     @property

@@ -24,10 +24,9 @@ class ServedJobs:
 
     def submit(self, request: Request, order: JobOrder, timeout: float | None) -> Job:
         options = options_of(timeout=timeout)
-        wire, wire_order = request._wire(), _wire_order(order)
-        told = self._served.stored(request.volume, options,
-                                   lambda what: self._jobs.submit(what, wire, wire_order, options))
-        return _job(told)
+        wire_order = _wire_order(order)
+        return _job(self._served.asked(request, options,
+                                       lambda what, wire: self._jobs.submit(what, wire, wire_order, options)))
 
     def get(self, name: str, timeout: float | None) -> Job:
         return _job(self._jobs.get(name, options_of(timeout=timeout)))

@@ -78,6 +78,39 @@ def test_an_evicted_volume_is_sent_once_to_all_that_miss_it(served):
     assert len(client.uploads) == 2
 
 
+def test_fields_are_sent_once(server, client, tmp_path):
+    ball, values = make_ball(16), make_ball(12)
+    wanted = {"distance": values}
+    here = ts.mesh(ball, levels=0, fields=wanted)
+    assert_same(client.mesh(ball, levels=0, fields=wanted), here)
+    uploads = []
+    client._backend.client = Noting(client._backend.client, uploads)
+    assert_same(client.mesh(ball, levels=0, fields=wanted), here)
+    assert not uploads
+    for maker in (client, ts.Client(":local:")):
+        assert_same(maker.mesh(ball, levels=0, fields={"distance": maker.upload(values)}), here)
+    values.write_vdb(tmp_path / "values.vdb")
+    for maker in (client, ts.Client(":local:")):
+        stored = maker.upload_file(tmp_path / "values.vdb")
+        assert_same(maker.mesh(ball, levels=0, fields={"distance": ts.StoredVolume(stored.name)}), here)
+    with pytest.raises(ts.InvalidArgumentError, match="that server's Client"):
+        ts.mesh(ball, fields={"distance": client.upload(values)})
+
+
+class Noting:
+    """A client that notes what is uploaded."""
+
+    def __init__(self, client, uploads):
+        self._client, self._uploads = client, uploads
+
+    def __getattr__(self, name):
+        return getattr(self._client, name)
+
+    def upload(self, volume, options):
+        self._uploads.append(volume)
+        return self._client.upload(volume, options)
+
+
 def test_many_threads_bring_a_volume_once(server, client):
     client.mesh(make_ball(16))
     size = server.samples()["tetstream_upload_bytes_total"]

@@ -47,15 +47,6 @@ struct StreamOptions : WorkOptions {
   bool skip_cache = false;  ///< make it even where a job of the server has stored it
 };
 
-/// A volume that a server stores. It may be kept as text, and used again.
-struct StoredVolume {
-  std::string name;       ///< `grids/{sha256}`: the same file has the same name everywhere
-  std::string grid = {};  ///< within the file; empty takes the only one that can be meshed
-  /// Level sets within the file instead, each of which is a label of the mesh: see
-  /// Labels::from_level_sets. With `Request::labels`.
-  std::vector<std::string> grids = {};
-};
-
 /// What a server can do.
 struct Capabilities {
   std::string server_version, algorithm_version;

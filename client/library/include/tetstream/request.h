@@ -31,10 +31,22 @@ enum class Coordinates : std::uint8_t {
   kFloat64,
 };
 
+/// A volume that a server stores. It may be kept as text, and used again.
+struct StoredVolume {
+  std::string name;       ///< `grids/{sha256}`: the same file has the same name everywhere
+  std::string grid = {};  ///< within the file; empty takes the only one that can be meshed
+  /// Level sets within the file instead, each of which is a label of the mesh: see
+  /// Labels::from_level_sets. With `Request::labels`.
+  std::vector<std::string> grids = {};
+};
+
 /// An array of values that the vertices get, sampled from another volume.
 struct Field {
   std::string name;  ///< of the array
-  Volume values;     ///< of VolumeKind::kValues, or any other
+  /// A volume of VolumeKind::kValues, or of any other. A server is sent it with every call,
+  /// unless `stored` names what it has already.
+  std::optional<Volume> values = {};
+  std::optional<StoredVolume> stored = {};  ///< of the server that is asked; else not looked at
 };
 
 /// Lengths are world units. A default-made request is a good mesh: as fine as the voxels at the
