@@ -85,6 +85,14 @@ absl::StatusOr<v1::ListJobsResponse> JobClient::list(const v1::ListJobsRequest& 
   return connection_->call(&Stub::ListJobs, request, cancellation);
 }
 
+absl::StatusOr<std::int64_t> JobClient::revision(const Cancellation& cancellation) {
+  v1::ListJobsRequest request;
+  request.set_page_size(1);
+  const auto page = list(request, cancellation);
+  if (!page.ok()) return page.status();
+  return page->revision();
+}
+
 absl::StatusOr<std::vector<v1::DeadShard>> JobClient::dead_shards(
     const std::string& name, const Cancellation& cancellation) {
   std::vector<v1::DeadShard> shards;

@@ -38,6 +38,10 @@ class JobClient {
   absl::StatusOr<v1::ListJobsResponse> list(const v1::ListJobsRequest& request,
                                             const Cancellation& cancellation);
 
+  /// The last revision there is: whoever watches all jobs from here on misses no change of what
+  /// is read later.
+  absl::StatusOr<std::int64_t> revision(const Cancellation& cancellation);
+
   /// All dead shards of a job, by their first chunk.
   absl::StatusOr<std::vector<v1::DeadShard>> dead_shards(const std::string& name,
                                                          const Cancellation& cancellation);

@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import signal
+import sqlite3
 import subprocess
 import unittest
 
@@ -378,6 +379,36 @@ class JobQueue(JobTest):
 
 class JobWatch(JobTest):
     settings = ("--job-workers", "0")
+
+    def forget_what_was(self):
+        """What a purge leaves where other jobs were old: all revisions so far are of no use to who watches all."""
+        self.list()  # which gives all changes their revisions
+        with sqlite3.connect(self.inputs / "store" / "jobs.sqlite") as jobs:
+            jobs.execute("UPDATE counters SET value = (SELECT value FROM counters WHERE name = 'revision')"
+                         " WHERE name = 'compacted'")
+        jobs.close()
+
+    def test_several_jobs_are_watched_though_changes_of_others_were_purged(self):
+        ball = self.inputs / "sphere.vdb"
+        one, two, gone = (self.submit(ball)[0] for _ in range(3))
+        self.objects(self.job("cancel", gone, "--json"))
+        self.objects(self.job("delete", gone, "--json"))
+        self.forget_what_was()
+        self.assertEqual(self.job("watch", "--after", "0").returncode, REFUSED)
+        process = self.start_job_command("watch", two, one, "--json")
+        told = [json.loads(process.stdout.readline()) for _ in range(2)]
+        for name in (two, one):
+            self.objects(self.job("cancel", name, "--json"))
+        rest, errors = process.communicate(timeout=GENEROUS_END)
+        self.assertEqual(process.returncode, 0, errors)
+        told += [json.loads(line) for line in rest.splitlines()]
+        self.assertEqual([(event["name"], event["change"]) for event in told],
+                         [(one, "CREATED"), (two, "CREATED"), (two, "FINISHED"), (one, "FINISHED")])
+        revisions = [event["revision"] for event in told]
+        self.assertEqual(revisions, sorted(set(revisions)))
+        self.forget_what_was()
+        again = self.objects(self.job("watch", one, two, "--after", revisions[1], "--json"))
+        self.assertEqual(again, told[2:])
 
     def test_goes_on_when_the_server_is_killed(self):
         process = self.start_job_command("watch", "--after", "0", "--json")

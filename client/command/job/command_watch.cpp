@@ -1,7 +1,11 @@
 // `tetstream job watch`
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/match.h>
@@ -11,6 +15,7 @@
 #include "client/command/job/job_json.h"
 #include "client/command/job/job_session.h"
 #include "client/command/job/job_text.h"
+#include "client/library/error_details.h"
 
 namespace tet {
 namespace {
@@ -53,6 +58,11 @@ class WatchedJobs {
   }
   /// For the server, when there is one.
   std::string only() const { return versions_.size() == 1 ? versions_.begin()->first : ""; }
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, version] : versions_) names.push_back(name);
+    return names;
+  }
 
  private:
   std::map<std::string, std::int64_t> versions_;
@@ -80,11 +90,73 @@ absl::StatusOr<std::int64_t> first_revision(JobSession& session,
                                             const Cancellation& cancellation) {
   if (arguments.after) return *arguments.after;
   if (!arguments.names.empty()) return 0;
-  v1::ListJobsRequest request;
-  request.set_page_size(1);
-  const auto page = session.jobs.list(request, cancellation);
-  if (!page.ok()) return page.status();
-  return page->revision();
+  return session.jobs.revision(cancellation);
+}
+
+/// Changes up to a revision, in their order.
+struct Changes {
+  std::int64_t revision = 0;
+  std::vector<v1::JobEvent> events;
+};
+
+/// Adds a job's own changes after a revision, up to that of `changes`.
+absl::Status add_changes(JobClient& jobs,
+                         const std::string& name,
+                         std::int64_t after,
+                         Changes& changes,
+                         const Cancellation& cancellation) {
+  const auto job = jobs.get(name, cancellation);
+  if (!job.ok() && !absl::IsNotFound(job.status())) return job.status();
+  // A job that was deleted has a last change, with which its watch ends by itself. Of any other
+  // all changes are read, since whether there is one after a revision is not known before.
+  const std::int64_t last_version = job.ok() ? job->version() : INT64_MAX;
+  const auto see = [&](const v1::JobEvent& event) {
+    const bool is_missed = event.revision() > after && event.revision() <= changes.revision;
+    if (is_missed) changes.events.push_back(event);
+    return event.version() < last_version;
+  };
+  return jobs.watch(name, 0, see, cancellation);
+}
+
+/// What jobs went through after a revision, up to now: job by job, since each has its own
+/// changes for as long as it is there, whatever was purged of others.
+absl::StatusOr<Changes> changes_of(JobClient& jobs,
+                                   const std::vector<std::string>& names,
+                                   std::int64_t after,
+                                   const Cancellation& cancellation) {
+  const auto revision = jobs.revision(cancellation);
+  if (!revision.ok()) return revision.status();
+  Changes changes{*revision, {}};
+  for (const std::string& name : names) {
+    const absl::Status added = add_changes(jobs, name, after, changes, cancellation);
+    if (!added.ok()) return added;
+  }
+  std::ranges::sort(changes.events, {}, &v1::JobEvent::revision);
+  return changes;
+}
+
+/// Several jobs are watched as all are, and only where changes of some were purged job by job.
+absl::Status watch_from(std::int64_t after,
+                        JobSession& session,
+                        WatchedJobs& watched,
+                        const Cancellation& cancellation) {
+  const auto see = [&](const v1::JobEvent& event) {
+    after = event.revision();
+    if (!watched.watches(event)) return true;
+    session.print(as_json(event), event_line(event));
+    return watched.take(event);
+  };
+  for (;;) {
+    const absl::Status status = session.jobs.watch(watched.only(), after, see, cancellation);
+    const std::vector<std::string> names = watched.names();
+    if (names.empty() || reason_of_failure(status) != "REVISION_COMPACTED") return status;
+    const auto missed = changes_of(session.jobs, names, after, cancellation);
+    if (!missed.ok()) return missed.status();
+    for (const v1::JobEvent& event : missed->events) {
+      if (!see(event)) return absl::OkStatus();
+    }
+    after = missed->revision;
+  }
 }
 
 absl::Status run_watch(const WatchArguments& arguments, const Cancellation& interruption) {
@@ -94,14 +166,7 @@ absl::Status run_watch(const WatchArguments& arguments, const Cancellation& inte
   if (!watched.ok()) return watched.status();
   const auto after = first_revision(**session, arguments, interruption);
   if (!after.ok()) return after.status();
-  return (*session)->jobs.watch(
-      watched->only(), *after,
-      [&](const v1::JobEvent& event) {
-        if (!watched->watches(event)) return true;
-        (*session)->print(as_json(event), event_line(event));
-        return watched->take(event);
-      },
-      interruption);
+  return watch_from(*after, **session, *watched, interruption);
 }
 
 }  // namespace

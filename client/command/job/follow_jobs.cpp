@@ -29,15 +29,6 @@ class Following {
 
   bool done() const { return pending_.empty(); }
 
-  /// Where to watch from so that nothing is missed of what `look` sees later.
-  absl::StatusOr<std::int64_t> revision() {
-    v1::ListJobsRequest request;
-    request.set_page_size(1);
-    const auto page = client_.list(request, cancellation_);
-    if (!page.ok()) return page.status();
-    return page->revision();
-  }
-
   absl::Status look() {
     std::vector<std::string> names;
     for (const auto& [name, share] : pending_) names.push_back(name);
@@ -110,7 +101,8 @@ absl::Status follow_jobs(JobClient& client,
                          const Cancellation& cancellation) {
   Following following(client, names, watch, cancellation);
   while (!following.done()) {
-    const auto revision = following.revision();
+    // Before the look, so that nothing is missed of what it sees.
+    const auto revision = client.revision(cancellation);
     if (!revision.ok()) return revision.status();
     if (absl::Status status = following.look(); !status.ok()) return status;
     if (following.done()) break;
