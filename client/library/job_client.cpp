@@ -13,6 +13,11 @@ namespace {
 
 using Stub = v1::JobService::Stub;
 
+/// An attempt to watch that lasted so long was served, although nothing may have changed
+/// meanwhile: one that meets no server ends sooner, since gRPC gives up a connection after 20
+/// s.
+constexpr std::chrono::seconds kServedFor{30};
+
 /// A request that holds nothing but a job's name.
 template <class Request>
 Request named(const std::string& name) {
@@ -46,8 +51,8 @@ WatchEnd watch_once(const ServerChannel& server,
 
 }  // namespace
 
-JobClient::JobClient(std::shared_ptr<Connection> connection)
-    : connection_(std::move(connection)) {}
+JobClient::JobClient(std::shared_ptr<Connection> connection, Clock clock)
+    : connection_(std::move(connection)), clock_(std::move(clock)) {}
 
 JobClient::~JobClient() = default;
 
@@ -124,12 +129,16 @@ absl::Status JobClient::watch(const std::string& name,
                               const Cancellation& cancellation) {
   auto request = named<v1::WatchJobsRequest>(name);
   request.set_after_revision(after_revision);
+  std::uint64_t served = 0;
   for (Retries retries = connection_->begin(cancellation);;) {
     const ServerChannel& server = connection_->server();
+    const std::int64_t before = request.after_revision();
+    const auto begun = clock_();
     const WatchEnd end = watch_once(server, request, see, cancellation);
     if (end.left || end.status.ok()) return absl::OkStatus();
-    const auto progress = static_cast<std::uint64_t>(request.after_revision());
-    if (!connection_->again(retries, server, end.status, progress)) return end.status;
+    // An idle watch is cut off now and then by whatever is in between: such ends do not add up.
+    if (request.after_revision() > before || clock_() - begun >= kServedFor) ++served;
+    if (!connection_->again(retries, server, end.status, served)) return end.status;
   }
 }
 

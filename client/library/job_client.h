@@ -1,6 +1,7 @@
 // Jobs as a C++ program uses them: made once however often asked for, followed, and read.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -20,7 +21,11 @@ namespace tet {
 /// the same kinds; docs/jobs.md has the reasons. Thread safety: any thread may call any member.
 class JobClient {
  public:
-  explicit JobClient(std::shared_ptr<Connection> connection);
+  /// What tells how long an attempt lasted.
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
+  explicit JobClient(std::shared_ptr<Connection> connection,
+                     Clock clock = &std::chrono::steady_clock::now);
   ~JobClient();
 
   /// Makes the job, or finds the one that was made under this `request_id`, which must not be
@@ -51,7 +56,8 @@ class JobClient {
 
   /// Calls `see` with each change after `after_revision`, of one job or (with an empty name) of
   /// all, once and in order, until it returns false or the watched job is deleted. A watch that
-  /// breaks is taken up after the last change that came.
+  /// breaks is taken up after the last change that came, however often where each lasted a
+  /// while.
   absl::Status watch(const std::string& name,
                      std::int64_t after_revision,
                      const std::function<bool(const v1::JobEvent&)>& see,
@@ -73,6 +79,7 @@ class JobClient {
 
  private:
   std::shared_ptr<Connection> connection_;
+  Clock clock_;
 };
 
 }  // namespace tet

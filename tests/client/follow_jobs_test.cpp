@@ -1,0 +1,57 @@
+// Jobs that are followed by a server that breaks off, and whose jobs go.
+#include "client/command/job/follow_jobs.h"
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/client/played_jobs.h"
+
+namespace tet::test {
+namespace {
+
+constexpr RetryPolicy kThrice{
+    .attempts = 3, .attempts_once_known = 3, .first_backoff_ms = 1, .max_backoff_ms = 1};
+constexpr const char* kName = "jobs/019310c2a5d84f6b8e7a2c11";
+
+v1::JobEvent event_of(v1::JobState state, std::int64_t revision) {
+  v1::JobEvent event;
+  event.set_name(kName);
+  event.set_state(state);
+  event.set_revision(revision);
+  return event;
+}
+
+class FollowJobsTest : public testing::Test {
+ protected:
+  /// How a watch of the played jobs ends that is told one change at its seventh attempt, by a
+  /// clock of which each look takes so long.
+  absl::Status watch_by(std::chrono::seconds a_look) {
+    jobs_.watch = [](int call, const PlayedJobs::Tell& tell) {
+      if (call < 7) return absl::UnavailableError("cut off");
+      tell(event_of(v1::JOB_STATE_RUNNING, 1));
+      return absl::OkStatus();
+    };
+    std::chrono::steady_clock::time_point now{};
+    JobClient client(jobs_.connect(kThrice), [&] { return now += a_look; });
+    return client.watch("", 0, [](const v1::JobEvent&) { return false; }, never_);
+  }
+
+  PlayedJobs jobs_;
+  Cancellation never_;
+};
+
+TEST_F(FollowJobsTest, GoOnWatchingThroughManyCutsThatEachComeLate) {
+  EXPECT_EQ(watch_by(std::chrono::seconds(60)), absl::OkStatus());
+  EXPECT_EQ(jobs_.watches(), 7);
+}
+
+TEST_F(FollowJobsTest, GiveUpAServerThatCutsEachWatchAtOnce) {
+  EXPECT_TRUE(absl::IsUnavailable(watch_by(std::chrono::seconds(1))));
+  EXPECT_EQ(jobs_.watches(), kThrice.attempts);
+}
+
+}  // namespace
+}  // namespace tet::test
