@@ -36,7 +36,8 @@ class FollowJobsTest : public testing::Test {
     };
     std::chrono::steady_clock::time_point now{};
     JobClient client(jobs_.connect(kThrice), [&] { return now += a_look; });
-    return client.watch("", 0, [](const v1::JobEvent&) { return false; }, never_);
+    return client.watch(
+        "", 0, [](const v1::JobEvent&) { return false; }, never_);
   }
 
   PlayedJobs jobs_;
@@ -51,6 +52,35 @@ TEST_F(FollowJobsTest, GoOnWatchingThroughManyCutsThatEachComeLate) {
 TEST_F(FollowJobsTest, GiveUpAServerThatCutsEachWatchAtOnce) {
   EXPECT_TRUE(absl::IsUnavailable(watch_by(std::chrono::seconds(1))));
   EXPECT_EQ(jobs_.watches(), kThrice.attempts);
+}
+
+TEST_F(FollowJobsTest, TellOfAJobThatWasDeletedBeforeItWasReadByItsName) {
+  jobs_.get = [](int call, const std::string& name, v1::Job& job) {
+    if (call > 1) return with_reason(absl::NotFoundError("no such job"), "JOB_NOT_FOUND");
+    job.set_name(name);
+    job.set_state(v1::JOB_STATE_RUNNING);
+    return absl::OkStatus();
+  };
+  jobs_.watch = [](int, const PlayedJobs::Tell& tell) {
+    tell(event_of(v1::JOB_STATE_SUCCEEDED, 1));
+    return absl::OkStatus();
+  };
+  std::vector<v1::Job> finished;
+  const FollowWatch watch{[&](const v1::Job& job) { finished.push_back(job); }, [](double) {}};
+  JobClient client(jobs_.connect(kThrice));
+  EXPECT_EQ(follow_jobs(client, {kName}, watch, never_), absl::OkStatus());
+  ASSERT_EQ(finished.size(), 1U);
+  EXPECT_EQ(finished[0].name(), kName);
+  EXPECT_EQ(finished[0].state(), v1::JOB_STATE_UNSPECIFIED);
+}
+
+TEST_F(FollowJobsTest, RefuseAJobThatTheServerNeverHad) {
+  jobs_.get = [](int, const std::string&, v1::Job&) {
+    return with_reason(absl::NotFoundError("no such job"), "JOB_NOT_FOUND");
+  };
+  const FollowWatch watch{[](const v1::Job&) {}, [](double) {}};
+  JobClient client(jobs_.connect(kThrice));
+  EXPECT_TRUE(absl::IsNotFound(follow_jobs(client, {kName}, watch, never_)));
 }
 
 }  // namespace

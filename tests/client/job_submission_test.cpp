@@ -1,6 +1,8 @@
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <sys/resource.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -94,6 +96,42 @@ TEST_F(JournalTest, KnowsTheJobsThatWereRecordedToTheEndOfTheirLine) {
   EXPECT_EQ(journal->job_of("two"), std::nullopt);
   ASSERT_TRUE(journal->record("three", "jobs/3").ok());
   EXPECT_EQ(*jobs_of_journal(path_), (std::vector<std::string>{"jobs/1", "jobs/3"}));
+}
+
+/// Lets files of this process grow no further than this, as a disk that is full does.
+class SizeLimit {
+ public:
+  explicit SizeLimit(std::uint64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  SizeLimit(const SizeLimit&) = delete;
+  SizeLimit& operator=(const SizeLimit&) = delete;
+
+ private:
+  void (*const handler_)(int);
+  rlimit before_{};
+};
+
+TEST_F(JournalTest, TakesAwayWhatAFullDiskTookOfALine) {
+  {
+    const auto journal = open();
+    ASSERT_TRUE(journal->record("one", "jobs/1").ok());
+    const std::uint64_t whole = std::filesystem::file_size(path_);
+    {
+      const SizeLimit limit(whole + 10);
+      EXPECT_FALSE(journal->record("two", "jobs/2").ok());
+    }
+    EXPECT_EQ(std::filesystem::file_size(path_), whole);
+    ASSERT_TRUE(journal->record("three", "jobs/3").ok());
+  }
+  EXPECT_EQ(*jobs_of_journal(path_), (std::vector<std::string>{"jobs/1", "jobs/3"}));
+  EXPECT_EQ(open()->job_of("two"), std::nullopt);
 }
 
 TEST_F(JournalTest, BelongsToOneProcessAndOneServer) {

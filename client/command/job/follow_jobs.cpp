@@ -35,6 +35,7 @@ class Following {
     for (const std::string& name : names) {
       if (absl::Status status = look_at(name); !status.ok()) return status;
     }
+    all_known_ = true;
     return absl::OkStatus();
   }
 
@@ -52,6 +53,8 @@ class Following {
  private:
   absl::Status look_at(const std::string& name) {
     const auto job = client_.get(name, cancellation_);
+    // Whoever has found it before may delete it before we get it.
+    if (all_known_ && absl::IsNotFound(job.status())) return finish_deleted(name);
     if (!job.ok()) return job.status();
     if (is_final(job->state())) return finish(*job);
     return advance(name, share_done(job->progress()));
@@ -59,13 +62,15 @@ class Following {
 
   absl::Status take(const v1::JobEvent& event) {
     if (!pending_.contains(event.name())) return absl::OkStatus();
-    if (event.change() == v1::JOB_CHANGE_DELETED) {
-      v1::Job deleted;
-      deleted.set_name(event.name());
-      return finish(deleted);
-    }
+    if (event.change() == v1::JOB_CHANGE_DELETED) return finish_deleted(event.name());
     if (is_final(event.state())) return look_at(event.name());
     return advance(event.name(), share_done(event.progress()));
+  }
+
+  absl::Status finish_deleted(const std::string& name) {
+    v1::Job deleted;
+    deleted.set_name(name);
+    return finish(deleted);
   }
 
   absl::Status finish(const v1::Job& job) {
@@ -91,6 +96,7 @@ class Following {
   const Cancellation& cancellation_;
   std::map<std::string, double> pending_;  ///< with the share that is done
   std::size_t total_ = 0;
+  bool all_known_ = false;  ///< the server has had every job
 };
 
 }  // namespace

@@ -95,6 +95,7 @@ absl::Status Journal::read(const std::string& server) {
   const absl::StatusOr<WholeLines> whole = read_lines(path_);
   if (!whole.ok()) return whole.status();
   if (absl::Status status = file_.truncate(whole->bytes); !status.ok()) return status;
+  whole_bytes_ = whole->bytes;
   if (whole->lines.empty()) return begin(server);
   submission_ = text_at(whole->lines.front(), "submission");
   if (const auto of = text_at(whole->lines.front(), "server"); of != server) {
@@ -116,7 +117,15 @@ absl::Status Journal::begin(const std::string& server) {
 }
 
 absl::Status Journal::write_line(const std::string& line) {
-  return file_.append(absl::StrCat(line, "\n"));
+  const std::string whole = absl::StrCat(line, "\n");
+  absl::Status written = file_.append(whole);
+  if (written.ok()) {
+    whole_bytes_ += whole.size();
+  } else {
+    // A disk that was full may have taken the beginning.
+    file_.truncate(whole_bytes_).IgnoreError();
+  }
+  return written;
 }
 
 std::string Journal::request_id(const std::string& order_digest, std::size_t nth) const {

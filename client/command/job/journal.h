@@ -41,6 +41,7 @@ class Journal {
   /// The job that was acknowledged under this request id.
   std::optional<std::string> job_of(const std::string& request_id) const;
 
+  /// What cannot be written to its end is taken away again, so that the next line stands alone.
   absl::Status record(const std::string& request_id, const std::string& job);
 
   /// The submission is complete: nobody will go on with it.
@@ -55,6 +56,7 @@ class Journal {
 
   const std::string path_;
   File file_;
+  std::size_t whole_bytes_ = 0;  ///< of lines that were written to their ends
   std::string submission_;
   mutable std::mutex mutex_;
   std::map<std::string, std::string> jobs_;  ///< by request id
