@@ -143,7 +143,8 @@ class JobStore {
   virtual absl::StatusOr<Job> cancel(const std::string& id) = 0;
   /// Tries dead letters again, and shards that are done but lost some of these chunks' bytes
   /// since; with all their attempts, time to live and timeout anew. What else is done stays
-  /// done. Errors: kFailedPrecondition (JOB_ACTIVE; JOB_SUCCEEDED, and nothing of it was lost).
+  /// done. Errors: kFailedPrecondition (JOB_ACTIVE; JOB_SUCCEEDED, and nothing of it was lost),
+  /// kResourceExhausted (QUOTA_EXCEEDED, as by `create`).
   virtual absl::StatusOr<Job> retry(const std::string& id,
                                     std::span<const std::int64_t> lost_chunks = {}) = 0;
   /// Forgets a job. Errors: kFailedPrecondition (JOB_ACTIVE).

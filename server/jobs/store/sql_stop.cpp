@@ -135,6 +135,7 @@ absl::StatusOr<Job> SqlJobStore::retry(const std::string& id,
     if (!row) return job_not_found(id);
     if (is_finished(row->job.state)) bury_lost(t, *row, lost_chunks);
     if (auto wrong = check_retry(row->job); !wrong.ok()) return wrong;
+    if (auto full = check_room(t, row->job.space); !full.ok()) return full;
     revive(t, *row);
     renew(*row, t.now_us());
     save_job(t, *row, JobChange::kRetried);

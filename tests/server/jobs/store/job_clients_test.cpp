@@ -212,6 +212,20 @@ TEST_P(JobStoreTest, RefusesMoreUnfinishedJobsOfANamespaceThanItMayHave) {
   EXPECT_TRUE(store_->create(wanted("ana")).ok());
 }
 
+TEST_P(JobStoreTest, RetriesNoJobBeyondThoseThatANamespaceMayHave) {
+  SqlJobStore::Options rules = kRules;
+  rules.max_unfinished = 2;
+  store_ = home_->open(rules);
+  const Job stopped = create(wanted("ana"));
+  store_->cancel(stopped.id).value();
+  const Job first = create(wanted("ana"));
+  create(wanted("ana"));
+  EXPECT_EQ(reason_of(store_->retry(stopped.id).status()), "QUOTA_EXCEEDED");
+  EXPECT_EQ(get(stopped).state, JobState::kCancelled);
+  store_->cancel(first.id).value();
+  EXPECT_EQ(store_->retry(stopped.id).value().state, JobState::kQueued);
+}
+
 TEST_P(JobStoreTest, CountsJobsNowAndThenOnTheWayToTheLimit) {
   constexpr std::int64_t kLimit = 110;
   SqlJobStore::Options rules = kRules;
