@@ -177,17 +177,20 @@ absl::StatusOr<SqlResult> PostgresConnection::result_of(PGresult* raw) {
 
 absl::StatusOr<std::string> PostgresConnection::prepare(std::string_view sql,
                                                         std::span<const SqlValue> values) {
-  const std::string text(sql);
-  const auto known = statements_.find(text);
-  if (known != statements_.end()) return known->second;
+  if (const std::string* known = statements_.find(sql)) return *known;
+  if (statements_.is_full()) {
+    const auto gone = run_script(absl::StrCat("DEALLOCATE ", statements_.oldest()));
+    if (!gone.ok()) return gone.status();
+    statements_.drop_oldest();
+  }
   std::vector<Oid> types;
   for (const SqlValue& value : values) types.push_back(type_of(value));
-  const std::string name = absl::StrCat("s", statements_.size());
-  const auto prepared = result_of(PQprepare(connection_.get(), name.c_str(), text.c_str(),
-                                            static_cast<int>(types.size()), types.data()));
+  const std::string name = absl::StrCat("s", prepared_++);
+  const auto prepared =
+      result_of(PQprepare(connection_.get(), name.c_str(), std::string(sql).c_str(),
+                          static_cast<int>(types.size()), types.data()));
   if (!prepared.ok()) return prepared.status();
-  statements_.emplace(text, name);
-  return name;
+  return statements_.add(sql, name);
 }
 
 absl::StatusOr<SqlResult> PostgresConnection::run(std::string_view sql,

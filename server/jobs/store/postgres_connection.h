@@ -7,12 +7,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "server/jobs/store/sql.h"
+#include "server/jobs/store/statement_cache.h"
 
 namespace tet {
 
@@ -48,7 +48,8 @@ class PostgresConnection final : public SqlConnection {
   absl::Status error(const PGresult* result) const;
 
   const std::unique_ptr<PGconn, Close> connection_;
-  std::unordered_map<std::string, std::string> statements_;  ///< their names, by text
+  StatementCache<std::string> statements_;  ///< their names
+  std::uint64_t prepared_ = 0;              ///< so far: no name is given twice
 };
 
 }  // namespace tet

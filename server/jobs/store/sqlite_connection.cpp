@@ -139,15 +139,23 @@ absl::Status SqliteConnection::run_script(const std::string& sql) {
 }
 
 absl::StatusOr<sqlite3_stmt*> SqliteConnection::prepare(std::string_view sql) {
-  Statement& statement = statements_[std::string(sql)];
-  if (statement) return statement.get();
+  if (const Statement* known = statements_.find(sql)) return known->get();
+  if (statements_.is_full()) statements_.drop_oldest();
   sqlite3_stmt* prepared = nullptr;
   if (sqlite3_prepare_v3(database_.get(), sql.data(), static_cast<int>(sql.size()),
                          SQLITE_PREPARE_PERSISTENT, &prepared, nullptr) != SQLITE_OK) {
     return error(std::string(sql));
   }
-  statement.reset(prepared);
-  return prepared;
+  return statements_.add(sql, Statement(prepared)).get();
+}
+
+int SqliteConnection::count_prepared() const {
+  int count = 0;
+  for (sqlite3_stmt* one = nullptr;
+       (one = sqlite3_next_stmt(database_.get(), one)) != nullptr;) {
+    ++count;
+  }
+  return count;
 }
 
 absl::StatusOr<SqlResult> SqliteConnection::run(std::string_view sql,

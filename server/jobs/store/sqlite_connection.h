@@ -7,13 +7,13 @@
 #include <sqlite3.h>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "server/jobs/store/sql.h"
 #include "server/jobs/store/sqlite_job_store.h"
+#include "server/jobs/store/statement_cache.h"
 
 namespace tet {
 
@@ -29,6 +29,8 @@ class SqliteConnection final : public SqlConnection {
 
   /// Runs statements without parameters or rows.
   absl::Status run_script(const std::string& sql);
+  /// How many statements SQLite has prepared for it.
+  int count_prepared() const;
 
  private:
   struct Close {
@@ -51,8 +53,8 @@ class SqliteConnection final : public SqlConnection {
   const std::string path_;
   const std::unique_ptr<sqlite3, Close> database_;
   const std::function<absl::Time()> clock_;
-  int most_busy_steps_;                                    ///< of a millisecond
-  std::unordered_map<std::string, Statement> statements_;  ///< dropped before the database
+  int most_busy_steps_;                   ///< of a millisecond
+  StatementCache<Statement> statements_;  ///< dropped before the database
 };
 
 }  // namespace tet

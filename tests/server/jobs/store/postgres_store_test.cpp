@@ -3,6 +3,8 @@
 #include <libpq-fe.h>
 #include <thread>
 
+#include <absl/strings/str_cat.h>
+
 #include "server/jobs/store/postgres_connection.h"
 #include "tests/server/jobs/store/job_store_fixture.h"
 #include "tests/server/jobs/store/postgres_home.h"
@@ -143,6 +145,17 @@ TEST(PostgresJobStore, HasNoQueryCompiled) {
   const auto told = connection->run("SELECT current_setting('jit')", {});
   ASSERT_TRUE(told.ok()) << told.status();
   EXPECT_EQ(told->rows.at(0).text(0), "off");
+}
+
+TEST(PostgresJobStore, KeepsFewStatementsWhateverIsAskedFor) {
+  const PostgresHome home;
+  const auto connection = PostgresConnection::open(home.connection()).value();
+  for (std::size_t i = 0; i < 2 * kMostStatements; ++i) {
+    const auto found = connection->run(absl::StrCat("SELECT $1 + ", i), {{std::int64_t{1}}});
+    EXPECT_EQ(found.value().rows[0].integer(0), static_cast<std::int64_t>(i) + 1);
+  }
+  const auto prepared = connection->run("SELECT count(*) FROM pg_prepared_statements", {});
+  EXPECT_EQ(prepared.value().rows[0].integer(0), static_cast<std::int64_t>(kMostStatements));
 }
 
 TEST(PostgresJobStore, FindsChangesWithoutNotifications) {

@@ -2,6 +2,9 @@
 #include <filesystem>
 #include <sqlite3.h>
 
+#include <absl/strings/str_cat.h>
+
+#include "server/jobs/store/sqlite_connection.h"
 #include "tests/server/jobs/store/job_store_fixture.h"
 #include "tests/server/jobs/store/sqlite_home.h"
 #include "tests/server/jobs/store/store_of_before.h"
@@ -73,6 +76,19 @@ TEST(SqliteJobStore, RefusesAFileThatIsNoDatabase) {
   const std::string path = folder.write("jobs.db", std::string(4096, 'x'));
   const absl::Status status = open_sqlite_job_store({.path = path}).status();
   EXPECT_EQ(reason_of(status), "JOB_STORE_BROKEN");
+}
+
+TEST(SqliteJobStore, KeepsFewStatementsWhateverIsAskedFor) {
+  const SqliteHome home;
+  const auto connection = SqliteConnection::open({.path = home.path()}).value();
+  for (std::size_t i = 0; i < 2 * kMostStatements; ++i) {
+    ASSERT_TRUE(connection->run("SELECT 'always'", {}).ok());
+    const auto found = connection->run(absl::StrCat("SELECT $1 + ", i), {{std::int64_t{1}}});
+    EXPECT_EQ(found.value().rows[0].integer(0), static_cast<std::int64_t>(i) + 1);
+    EXPECT_LE(connection->count_prepared(), static_cast<int>(kMostStatements));
+  }
+  EXPECT_FALSE(connection->run("SELECT nothing", {}).ok());
+  EXPECT_EQ(connection->count_prepared(), static_cast<int>(kMostStatements) - 1);
 }
 
 TEST(SqliteJobStore, PurgesWhatFinishedLongAgo) {
