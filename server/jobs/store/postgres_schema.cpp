@@ -174,22 +174,35 @@ absl::StatusOr<std::vector<Partition>> list_partitions(PostgresConnection& conne
   return partitions;
 }
 
-/// The jobs of a partition; -1 while one of them, or an event, is not old enough. Nobody else
-/// can change them until the transaction ends.
+/// Whoever uses a table that is divided locks it before its partitions. Dropping a partition
+/// locks both, too, and would wait in a circle with a reader of the table if it had the
+/// partition first. So it takes the tables first, in the order in which everybody uses them.
+constexpr char kLockTables[] = "LOCK TABLE ONLY jobs, ONLY shards, ONLY events IN ";
+
+/// The jobs of a partition; -1 while one of them, or an event, is not old enough.
+absl::StatusOr<std::int64_t> count_old(PostgresConnection& connection,
+                                       const Partition& partition,
+                                       std::int64_t before_us) {
+  constexpr char kCount[] = R"sql(
+SELECT CASE
+  WHEN EXISTS (SELECT 1 FROM jobs_$p WHERE state <= 2 OR finish_us >= $before) OR
+       EXISTS (SELECT 1 FROM events_$p WHERE revision = 0 OR time_us >= $before) THEN '-1'
+  ELSE (SELECT count(*)::text FROM jobs_$p) END
+)sql";
+  const auto found = connection.run_script(absl::StrReplaceAll(
+      kCount, {{"$p", partition.name()}, {"$before", absl::StrCat(before_us)}}));
+  if (!found.ok()) return found.status();
+  return std::strtoll(found->rows[0].text(0).c_str(), nullptr, 10);
+}
+
+/// `count_old`, and nobody else can change the jobs until the transaction ends.
 absl::StatusOr<std::int64_t> lock_old(PostgresConnection& connection,
                                       const Partition& partition,
                                       std::int64_t before_us) {
-  const std::string jobs = absl::StrCat("jobs_", partition.name());
-  const std::string events = absl::StrCat("events_", partition.name());
-  const auto found = connection.run_script(absl::StrCat(
-      "SET LOCAL lock_timeout = '2s'; LOCK TABLE ", jobs,
-      " IN ACCESS EXCLUSIVE MODE; SELECT CASE "
-      "WHEN EXISTS (SELECT 1 FROM ",
-      jobs, " WHERE state <= 2 OR finish_us >= ", before_us, ") OR EXISTS (SELECT 1 FROM ",
-      events, " WHERE revision = 0 OR time_us >= ", before_us,
-      ") THEN '-1' ELSE (SELECT count(*)::text FROM ", jobs, ") END"));
-  if (!found.ok()) return found.status();
-  return std::strtoll(found->rows[0].text(0).c_str(), nullptr, 10);
+  const auto locked = connection.run_script(
+      absl::StrCat("SET LOCAL lock_timeout = '2s'; ", kLockTables, "ACCESS EXCLUSIVE MODE"));
+  if (!locked.ok()) return locked.status();
+  return count_old(connection, partition, before_us);
 }
 
 absl::Status drop(PostgresConnection& connection, const Partition& partition) {
@@ -209,6 +222,10 @@ DROP TABLE jobs_$p, shards_$p, events_$p;
 absl::StatusOr<std::int64_t> drop_if_old(PostgresConnection& connection,
                                          const Partition& partition,
                                          std::int64_t before_us) {
+  // Nobody waits while it is looked at what is not old, as most is.
+  const auto looked = count_old(connection, partition, before_us);
+  if (!looked.ok()) return looked.status();
+  if (*looked < 0) return 0;
   if (auto begun = connection.begin(); !begun.ok()) return begun.status();
   auto jobs = lock_old(connection, partition, before_us);
   absl::Status status = jobs.status();
@@ -227,6 +244,7 @@ absl::StatusOr<std::int64_t> purge_default(PostgresConnection& connection,
                                            std::int64_t before_us) {
   constexpr char kPurge[] = R"sql(
 BEGIN;
+$lock ACCESS SHARE MODE;
 CREATE TEMPORARY TABLE old_jobs ON COMMIT DROP AS
   SELECT id FROM jobs_default WHERE state >= 3 AND finish_us < $before FOR UPDATE;
 CREATE TEMPORARY TABLE old_events ON COMMIT DROP AS
@@ -240,8 +258,8 @@ DELETE FROM shards_default WHERE job_id IN (SELECT id FROM old_jobs);
 DELETE FROM requests WHERE job_id IN (SELECT id FROM old_jobs);
 DELETE FROM jobs_default WHERE id IN (SELECT id FROM old_jobs);
 )sql";
-  const auto purged = connection.run_script(
-      absl::StrReplaceAll(kPurge, {{"$before", absl::StrCat(before_us)}}));
+  const auto purged = connection.run_script(absl::StrReplaceAll(
+      kPurge, {{"$before", absl::StrCat(before_us)}, {"$lock", kLockTables}}));
   if (!purged.ok()) {
     connection.roll_back();
     return purged.status();

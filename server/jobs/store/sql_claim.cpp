@@ -208,6 +208,7 @@ absl::StatusOr<std::vector<LeaseState>> SqlJobStore::heartbeat(std::span<const L
 absl::StatusOr<std::vector<LeaseState>> SqlJobStore::look_at(std::span<const LeaseId> leases) {
   std::vector<LeaseState> answers;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    answers.clear();
     for (const LeaseId& lease : leases) {
       const bool held = !t.run(
                               "SELECT token FROM queue WHERE job_id = $1 AND phase = $2 AND "

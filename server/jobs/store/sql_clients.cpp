@@ -183,6 +183,7 @@ absl::StatusOr<JobPage> SqlJobStore::list(const ListJobs& query) {
                                        " ORDER BY id DESC LIMIT $", where.values.size());
   JobPage page;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    page.jobs.clear();
     for (const SqlRow& row : t.run(sql, where.values).rows) {
       page.jobs.push_back(job_row(row).job);
       page.jobs.back().read_time = now();
@@ -201,6 +202,7 @@ absl::StatusOr<std::int64_t> SqlJobStore::queue_position(const std::string& id,
                                                          std::int64_t most) {
   std::int64_t position = 0;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    position = 0;
     const auto job = t.run("SELECT rank, state FROM jobs WHERE id = $1", {id});
     if (job.rows.empty()) return job_not_found(id);
     if (job.rows[0].integer(1) != number_of(JobState::kQueued)) return absl::OkStatus();

@@ -230,6 +230,7 @@ absl::Status SqlJobStore::probe() {
 absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {
   std::set<JobInput> inputs;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    inputs.clear();
     const auto found =
         t.run("SELECT DISTINCT space, input FROM jobs WHERE state <= 2 AND input <> ''");
     for (const SqlRow& row : found.rows) {

@@ -45,6 +45,15 @@ absl::Status try_once(SqlDatabase& database, SqlBody body, bool& give_way) {
   return transaction.status().ok() ? outcome : transaction.status();
 }
 
+absl::Status read_once(SqlDatabase& database, SqlBody body, bool& give_way) {
+  auto connection = database.reader();
+  if (!connection.ok()) return connection.status();
+  SqlTransaction statements(**connection, database, 0);
+  const absl::Status outcome = run_body(body, statements);
+  give_way = absl::IsAborted(statements.status());
+  return statements.status().ok() ? outcome : statements.status();
+}
+
 }  // namespace
 
 SqlResult SqlTransaction::run(std::string_view sql, std::span<const SqlValue> values) {
@@ -83,11 +92,13 @@ absl::Status transact(SqlDatabase& database, SqlBody body, Purpose purpose) {
 }
 
 absl::Status read(SqlDatabase& database, SqlBody body) {
-  auto connection = database.reader();
-  if (!connection.ok()) return connection.status();
-  SqlTransaction statements(**connection, database, 0);
-  const absl::Status outcome = run_body(body, statements);
-  return statements.status().ok() ? outcome : statements.status();
+  absl::Status status;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    bool give_way = false;
+    status = read_once(database, body, give_way);
+    if (!give_way) break;
+  }
+  return status;
 }
 
 }  // namespace tet

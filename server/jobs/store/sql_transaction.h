@@ -56,7 +56,9 @@ enum class Purpose {
 /// to give way to another is run again, so it must only set what is outside of it.
 absl::Status transact(SqlDatabase& database, SqlBody body, Purpose purpose = Purpose::kWork);
 
-/// Runs statements that only read, each for itself.
+/// Runs statements that only read, each for itself. A body of which one had to give way is run
+/// again from its beginning, as by `transact`, so that it must set, and not add to, what is
+/// outside of it.
 absl::Status read(SqlDatabase& database, SqlBody body);
 
 }  // namespace tet

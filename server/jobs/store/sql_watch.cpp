@@ -144,6 +144,7 @@ absl::StatusOr<EventPage> SqlJobStore::read_events(const WatchJobs& query) {
   if (auto status = number_all_events(); !status.ok()) return status;
   EventPage page;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    page = {};
     page.revision = counter(t, "revision");
     if (auto wrong = check_revision(t, query, page.revision); !wrong.ok()) return wrong;
     const SqlResult found = select_events(t, query, page.revision);
@@ -184,6 +185,7 @@ absl::StatusOr<std::map<std::int64_t, ChunkDigest>> SqlJobStore::chunk_digests(
     const std::string& id, ChunkRange range) {
   std::map<std::int64_t, ChunkDigest> digests;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    digests.clear();
     const auto job = t.run("SELECT chunk_count FROM jobs WHERE id = $1", {id});
     if (job.rows.empty()) return job_not_found(id);
     const std::int64_t count = job.rows[0].integer(0);
@@ -208,6 +210,7 @@ absl::StatusOr<std::map<std::int64_t, ChunkDigest>> SqlJobStore::chunk_digests(
 absl::StatusOr<std::vector<ChunkDigest>> SqlJobStore::count_digests(const std::string& id) {
   std::vector<ChunkDigest> digests;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    digests.clear();
     if (!job_exists(t, id)) return job_not_found(id);
     const auto found = select_digests(t, id, Phase::kCount, {0, INT64_MAX});
     for (const SqlRow& row : found.rows) {
@@ -224,6 +227,7 @@ absl::StatusOr<std::vector<ChunkDigest>> SqlJobStore::count_digests(const std::s
 absl::StatusOr<std::vector<DeadLetter>> SqlJobStore::dead_letters(const std::string& id) {
   std::vector<DeadLetter> letters;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    letters.clear();
     if (!job_exists(t, id)) return job_not_found(id);
     const auto found = t.run(
         "SELECT phase, number, first_chunk, end_chunk, attempts, worker, error, time_us FROM "

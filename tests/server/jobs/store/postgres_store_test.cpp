@@ -116,6 +116,35 @@ TEST(PostgresJobStore, ForgetsOldJobsByDroppingTheirPartitions) {
   EXPECT_TRUE(store->watch({.after_revision = revision}).ok());
 }
 
+/// Whether somebody waits for a lock on a table of this store.
+bool anybody_waits(const PostgresHome& home) {
+  return query(home.connection(),
+               "SELECT count(*) FROM pg_locks JOIN pg_class ON pg_class.oid = relation WHERE "
+               "relnamespace = current_schema::regnamespace AND NOT granted") != "0";
+}
+
+TEST(PostgresJobStore, DropsPartitionsWithoutWaitingInACircleWithReaders) {
+  const PostgresHome home;
+  const auto store =
+      home.open_with({.connection = home.connection(), .partition = absl::Hours(1)});
+  const Job job = store->create(wanted()).value().job;
+  store->cancel(job.id).value();
+  // A reader that has locked the table, and not yet the partition.
+  const auto reader = PostgresConnection::open(home.connection()).value();
+  ASSERT_TRUE(reader->run_script("SET idle_in_transaction_session_timeout = 0").ok());
+  ASSERT_TRUE(reader->begin().ok());
+  ASSERT_TRUE(reader->run_script("LOCK TABLE ONLY jobs IN ACCESS SHARE MODE").ok());
+  // It gives up after a while, and may do so before the reader gets a processor.
+  const auto purge = [&] { return store->purge(-absl::Hours(3)).ok(); };
+  std::thread purges([&] { EXPECT_TRUE(eventually(purge)); });
+  EXPECT_TRUE(eventually([&] { return anybody_waits(home); }));
+  const auto read = reader->run_script("SELECT count(*)::text FROM jobs");
+  EXPECT_TRUE(read.ok()) << read.status();
+  reader->roll_back();
+  purges.join();
+  EXPECT_TRUE(absl::IsNotFound(store->get(job.id).status()));
+}
+
 TEST(PostgresJobStore, KeepsJobsOfSpansThatHaveNoPartition) {
   const PostgresHome home;
   const auto store =
