@@ -143,9 +143,20 @@ absl::Status check_empty(const fs::path& store, const fs::path& jobs) {
     return absl::FailedPreconditionError(absl::StrCat(
         store.string(), " is not empty: ", entry.path().filename().string(), " is there"));
   }
-  if (jobs.empty() || !fs::exists(jobs, error)) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat(jobs.string(), " is there already: move it away"));
+  if (jobs.empty()) return absl::OkStatus();
+  if (fs::exists(jobs, error)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(jobs.string(), " is there already: move it away"));
+  }
+  // SQLite would take them for the restored file's own, and mix two databases.
+  for (const char* const ending : {"-wal", "-shm", "-journal"}) {
+    const fs::path beside = jobs.string() + ending;
+    if (!fs::exists(beside, error)) continue;
+    return absl::FailedPreconditionError(absl::StrCat(
+        beside.string(), " is left of a database of jobs that was there before, and ",
+        "SQLite would add it to the restored one: move it away"));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -200,6 +211,8 @@ absl::StatusOr<BackupCounts> restore_store(const fs::path& backup,
   counts.has_jobs = !jobs.empty() && fs::exists(backup / kJobs, ignored);
   if (counts.has_jobs) {
     if (auto copied = copy_whole_file(backup / kJobs, jobs); !copied.ok()) return copied;
+    // It may be on another disk than the store.
+    if (auto synced = sync_all(folder_of(jobs)); !synced.ok()) return synced;
   }
   // Last: without it no server takes the folder for this store.
   if (auto synced = sync_all(store); !synced.ok()) return synced;

@@ -29,7 +29,8 @@ absl::StatusOr<BackupCounts> back_up_store(const std::filesystem::path& store,
 
 /// Makes a store of a backup: in `store`, which must be empty or not there. `jobs` is where the
 /// database's file goes; empty leaves it out. Errors: kFailedPrecondition (something is in
-/// `store` or at `jobs`, or `backup` is none that was finished), the disk's.
+/// `store` or at `jobs`, or of a database that was there, or `backup` is none that was
+/// finished), the disk's.
 absl::StatusOr<BackupCounts> restore_store(const std::filesystem::path& backup,
                                            const std::filesystem::path& store,
                                            const std::filesystem::path& jobs);

@@ -111,6 +111,24 @@ class Backups(FaultTest):
         said = self.upkeep("restore", self.folder / "nothing", store=self.folder / "new")
         self.assertIn("is no backup that was finished", said.stderr)
 
+    def test_no_database_is_restored_beside_what_is_left_of_another(self):
+        with self.start("--job-workers", "0") as server:
+            self.assertEqual(self.submit(server, self.inputs / "sphere.vdb").returncode, 0)
+            self.assert_done(self.upkeep("backup", self.backup))
+        restored, jobs = self.folder / "restored", self.folder / "elsewhere" / "jobs.sqlite"
+        jobs.parent.mkdir()
+        for ending in ("-wal", "-shm", "-journal"):
+            left = jobs.with_name(jobs.name + ending)
+            left.write_bytes(b"of another database")
+            said = self.upkeep("restore", self.backup, "--jobs", jobs, store=restored)
+            self.assertEqual(said.returncode, 3)
+            self.assertIn(f"{left} is left of a database", said.stderr)
+            self.assertIn("move it away", said.stderr)
+            self.assertFalse(jobs.exists())
+            left.unlink()
+        self.assert_done(self.upkeep("restore", self.backup, "--jobs", jobs, store=restored))
+        self.assertTrue(jobs.exists())
+
     def test_a_check_finds_a_flipped_bit_wherever_it_is(self):
         with self.start() as server:
             self.assertEqual(self.submit(server, self.inputs / "sphere.vdb").returncode, 0)
