@@ -180,6 +180,8 @@ GridStore::Evictable GridStore::idle_grids(std::uint64_t bytes,
   std::uint64_t found_bytes = 0;
   grids_.oldest_first([&](const StoredGridEntry& entry) {
     if (entry.in_use() || needed.contains(entry.grid->key)) return true;
+    // Its time tells only when it was taken: whoever has it still may give it to a job next.
+    if (is_used_elsewhere(entry)) return true;
     idle.grids.push_back(entry.grid->key);
     found_bytes += entry.grid->size_bytes;
     idle.all = idle.grids.size() < kFewGrids || found_bytes < bytes;

@@ -182,6 +182,7 @@ class GridStore {
   void freshen_oldest(std::uint64_t bytes, const std::set<GridKey>& needed);
   absl::StatusOr<GridLease> acquire_shared(const GridKey& key);
   absl::StatusOr<GridLease> lease(const GridKey& key, std::shared_ptr<const File> file);
+  bool is_used_elsewhere(const StoredGridEntry& entry) const;
   bool remove_unused(const StoredGridEntry& entry);
   bool remove_part(const GridKey& key);
 

@@ -214,6 +214,15 @@ absl::StatusOr<GridLease> GridStore::lease(const GridKey& key,
   return GridLease(held, held->grid.get());
 }
 
+/// Whether another process has it now. Whoever takes it later says so in the file's time.
+bool GridStore::is_used_elsewhere(const StoredGridEntry& entry) const {
+  if (!is_shared()) return false;
+  auto file = open_file(entry.grid->path, O_RDWR);
+  if (!file.ok()) return false;  // it is gone, or removing it will tell why not
+  const auto alone = file->lock(FileLock::kAlone);
+  return !alone.ok() || !*alone;
+}
+
 /// False if another process uses it, or has used it since its time was read.
 bool GridStore::remove_unused(const StoredGridEntry& entry) {
   const fs::path& path = entry.grid->path;

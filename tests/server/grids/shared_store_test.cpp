@@ -206,6 +206,24 @@ TEST_F(SharedStoreTest, NeverEvictsAGridThatTheOtherTookWhileItAskedWhoNeedsIt) 
   EXPECT_TRUE(has(*other, 0));
 }
 
+/// As of a server that makes a job just then: it takes the grid before the jobs are asked, and
+/// lets go of it when the job is stored, which the answer does not know of.
+TEST_F(SharedStoreTest, NeverEvictsAGridThatTheOtherHadWhenItAskedWhoNeedsIt) {
+  const auto one = open(100), other = open(100);
+  ASSERT_TRUE(put(*one, shared_text(0)).ok());
+  auto lease = other->acquire(shared_key(shared_text(0)));
+  ASSERT_TRUE(lease.ok());
+  one->ask_before_evicting([&] {
+    lease->reset();
+    return std::set<GridKey>();
+  });
+  // Where nothing may go nobody is asked.
+  EXPECT_EQ(reason_of(put(*one, shared_text(1))), "STORE_BUSY");
+  EXPECT_TRUE(has(*other, 0));
+  lease->reset();
+  EXPECT_TRUE(put(*one, shared_text(1)).ok());
+}
+
 TEST_F(SharedStoreTest, LosesNothingWithTheJournal) {
   const auto one = open(300), other = open(300);
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(put(*one, shared_text(i)).ok());
