@@ -1,6 +1,7 @@
 #include "server/jobs/service/job_service.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -117,6 +118,7 @@ absl::Status list_dead(JobContext& shared,
   if (!letters.ok()) return letters.status();
   const std::int64_t count = std::ssize(*letters);
   const std::int64_t end = std::min(*first + *size, count);
+  // A thousand take no more than 1.3 MB: an error is at most kMaxStatusBytes.
   for (std::int64_t i = *first; i < end; ++i) {
     to_proto((*letters)[static_cast<std::size_t>(i)], *response.add_shards());
   }
@@ -134,11 +136,16 @@ absl::Status list_workers(JobContext& shared,
   if (!after.ok()) return after.status();
   const auto page = shared.jobs.workers({space, *size, *after});
   if (!page.ok()) return page.status();
-  for (const KnownWorker& worker : page->workers) {
-    to_proto(worker, page->read_time, *response.add_workers());
+  // Each may name a hundred shards, of which a thousand workers have more than an answer takes.
+  std::size_t bytes = 0;
+  auto worker = page->workers.begin();
+  for (; worker != page->workers.end() && bytes < kPageBytes; ++worker) {
+    v1::Worker& told = *response.add_workers();
+    to_proto(*worker, page->read_time, told);
+    bytes += told.ByteSizeLong();
   }
-  if (!page->is_last) {
-    response.set_next_page_token(absl::WebSafeBase64Escape(page->workers.back().report.name));
+  if (!page->is_last || worker != page->workers.end()) {
+    response.set_next_page_token(absl::WebSafeBase64Escape(std::prev(worker)->report.name));
   }
   *response.mutable_read_time() = to_proto(page->read_time);
   return absl::OkStatus();

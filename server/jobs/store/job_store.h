@@ -33,9 +33,13 @@ struct JobFilter {
   absl::Time created_before = absl::InfiniteFuture();
 };
 
+/// A page of anything ends where it has so many bytes: gRPC's clients take no more than 4 MiB
+/// at once unless they are told to.
+inline constexpr std::size_t kPageBytes = std::size_t{1} << 20;
+
 struct ListJobs {
   JobFilter filter = {};
-  std::int64_t page_size = 100;  ///< 1 to 1000
+  std::int64_t page_size = 100;  ///< 1 to 1000; fewer come where they have kPageBytes
   std::string page_token = {};
 };
 

@@ -20,6 +20,10 @@ namespace tet {
 
 namespace {
 
+/// As many rows of a list are read at a time. Most pages have no more jobs; and the largest
+/// rows, of more than 128 KiB each, take 16 MiB then.
+constexpr std::int64_t kListedAtOnce = 128;
+
 /// The time, so that ids sort by age, and 40 random bits.
 std::string make_id(std::int64_t now_us) {
   thread_local std::mt19937_64 random{std::random_device{}()};
@@ -114,6 +118,15 @@ Where where_of(const JobFilter& filter) {
   return where;
 }
 
+/// What a list tells of a job, but for numbers and times, of which there are a few hundred
+/// bytes.
+std::size_t listed_bytes(const Job& job) {
+  std::size_t bytes = job.spec.size() + job.display_name.size() +
+                      encode_status(job.error).size() + encode_status(job.trouble).size();
+  for (const auto& [key, value] : job.labels) bytes += key.size() + value.size();
+  return bytes;
+}
+
 absl::Status check(const ListJobs& query) {
   if (query.page_size < 1 || query.page_size > 1000) {
     return invalid_field(absl::StrCat("page_size ", query.page_size, " is not from 1 to 1000"));
@@ -172,30 +185,50 @@ absl::StatusOr<Job> SqlJobStore::get(const std::string& id) {
   return job;
 }
 
-absl::StatusOr<JobPage> SqlJobStore::list(const ListJobs& query) {
-  if (auto status = check(query); !status.ok()) return status;
-  const auto after = job_after_token(query.page_token, query.filter);
-  if (!after.ok()) return after.status();
-  Where where = where_of(query.filter);
-  if (!after->empty()) where.add("id < $", *after);
-  where.values.emplace_back(query.page_size + 1);
+/// Up to `most` jobs, the newest first, that are older than `after`, unless that is empty.
+absl::StatusOr<std::vector<Job>> SqlJobStore::list_some(const JobFilter& filter,
+                                                        const std::string& after,
+                                                        std::int64_t most) {
+  Where where = where_of(filter);
+  if (!after.empty()) where.add("id < $", after);
+  where.values.emplace_back(most);
   const std::string sql = absl::StrCat(select_jobs({.bytes = true, .leases = true}), where.sql,
                                        " ORDER BY id DESC LIMIT $", where.values.size());
-  JobPage page;
+  std::vector<Job> jobs;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
-    page.jobs.clear();
+    jobs.clear();
     for (const SqlRow& row : t.run(sql, where.values).rows) {
-      page.jobs.push_back(job_row(row).job);
-      page.jobs.back().read_time = now();
+      jobs.push_back(job_row(row).job);
+      jobs.back().read_time = now();
     }
     return absl::OkStatus();
   });
   if (!status.ok()) return status;
-  if (std::ssize(page.jobs) > query.page_size) {
-    page.jobs.pop_back();
-    page.next_page_token = make_page_token(page.jobs.back().id, query.filter);
+  return jobs;
+}
+
+absl::StatusOr<JobPage> SqlJobStore::list(const ListJobs& query) {
+  if (auto status = check(query); !status.ok()) return status;
+  auto last = job_after_token(query.page_token, query.filter);
+  if (!last.ok()) return last.status();
+  JobPage page;
+  std::size_t bytes = 0;
+  while (true) {
+    const std::int64_t room = query.page_size + 1 - std::ssize(page.jobs);
+    const std::int64_t most = std::min(room, kListedAtOnce);
+    auto some = list_some(query.filter, *last, most);
+    if (!some.ok()) return some.status();
+    for (Job& job : *some) {
+      if (std::ssize(page.jobs) == query.page_size || bytes >= kPageBytes) {
+        page.next_page_token = make_page_token(page.jobs.back().id, query.filter);
+        return page;
+      }
+      bytes += listed_bytes(job);
+      page.jobs.push_back(std::move(job));
+    }
+    if (std::ssize(*some) < most) return page;
+    *last = page.jobs.back().id;
   }
-  return page;
 }
 
 absl::StatusOr<std::int64_t> SqlJobStore::queue_position(const std::string& id,

@@ -88,6 +88,9 @@ class SqlJobStore final : public JobStore {
 
  private:
   absl::Status check_room(SqlTransaction& t, const std::string& space);
+  absl::StatusOr<std::vector<Job>> list_some(const JobFilter& filter,
+                                             const std::string& after,
+                                             std::int64_t most);
   absl::Status number_all_events();
   absl::StatusOr<EventPage> read_events(const WatchJobs& query);
 

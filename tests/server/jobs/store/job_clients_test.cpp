@@ -156,6 +156,25 @@ TEST_P(JobStoreTest, PagesNeitherRepeatNorMissWhileJobsComeAndGo) {
   EXPECT_EQ(seen, there);
 }
 
+TEST_P(JobStoreTest, EndsAPageOfJobsWhereItHasAMebibyte) {
+  NewJob asked = wanted();
+  asked.spec.resize(60'000, 'x');
+  std::vector<std::string> there;
+  for (int i = 0; i < 40; ++i) there.push_back(create(asked).id);
+  ListJobs query{.page_size = 1000};
+  std::vector<std::string> seen;
+  std::vector<std::size_t> sizes;
+  do {
+    const JobPage page = store_->list(query).value();
+    sizes.push_back(page.jobs.size());
+    for (const Job& job : page.jobs) seen.push_back(job.id);
+    query.page_token = page.next_page_token;
+  } while (!query.page_token.empty());
+  std::ranges::reverse(there);
+  EXPECT_EQ(seen, there);
+  EXPECT_THAT(sizes, ElementsAre(18U, 18U, 4U));
+}
+
 TEST_P(JobStoreTest, RefusesTokensThatAreNotOfThisList) {
   create();
   create();
