@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "core/surface/orient_surface.h"
@@ -15,12 +16,17 @@ constexpr double kVoxelsAcrossWalls = 2.5;
 /// Voxels across the band around a surface.
 constexpr double kBandVoxels = 7;
 
+/// Looks at the triangles alone: files of modellers have loose vertices anywhere, which none
+/// names.
 double longest_extent(const TriangleSurface& surface) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   WorldPoint low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
-  for (const WorldPoint& p : surface.vertices) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  for (const auto& triangle : surface.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      const WorldPoint& p = surface.vertices[corner];
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
   }
   return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 }
