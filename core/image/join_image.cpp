@@ -1,6 +1,7 @@
 #include "core/image/join_image.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/posix/descriptor.h"
 #include "core/base/posix/file.h"
 #include "core/image/image_refusal.h"
 #include "core/image/meta_header.h"
@@ -40,8 +42,8 @@ DetachedHeader read_detached(std::span<const std::byte> head) {
   return is_nrrd(head) ? read_detached_nrrd(head) : read_detached_meta(head);
 }
 
-/// Where a file is that a header names.
-fs::path place_of_data(const std::string& header, const std::string& name) {
+/// A file that a header names, from the header's folder on.
+fs::path path_of_data(const std::string& name) {
   const fs::path path(name);
   const bool stays = !path.is_absolute() &&
                      std::none_of(path.begin(), path.end(), [](auto& p) { return p == ".."; });
@@ -50,19 +52,49 @@ fs::path place_of_data(const std::string& header, const std::string& name) {
                               ", and only files beside it are read: move them there, and name "
                               "them without a path"));
   }
-  return fs::path(header).parent_path() / path;
+  return path;
 }
 
-/// A file of data, open.
+/// Tells why a part of the way to a file of data was not opened.
+[[noreturn]] void refuse_way(const fs::path& header,
+                             const fs::path& path,
+                             const fs::path& part) {
+  if (errno != ELOOP && errno != ENOTDIR) {
+    throw ImageRefusal(io_error("open", header.parent_path() / path));
+  }
+  refuse_image(absl::StrCat("its data are in ", quoted_text(path.native()), ", where ",
+                            quoted_text(part.native()),
+                            " is a link or no folder, and links are not followed: put the data "
+                            "themselves there"));
+}
+
+/// The folder that a header lies in, which whoever named the header has chosen, links or not.
+Descriptor open_folder_of(const std::string& header) {
+  const fs::path parent = fs::path(header).parent_path();
+  const fs::path folder = parent.empty() ? fs::path(".") : parent;
+  Descriptor opened = open_descriptor(folder, O_PATH | O_DIRECTORY);
+  if (!opened.is_open()) throw ImageRefusal(io_error("open", folder));
+  return opened;
+}
+
+/// A file of data, open. The way to it goes from one folder to the next: of a whole path the
+/// system would follow links to folders.
 File open_data(const std::string& header, const std::string& name) {
-  absl::StatusOr<File> file =
-      File::open(place_of_data(header, name), O_RDONLY | O_NOFOLLOW | O_NONBLOCK, io_error);
-  if (!file.ok()) throw ImageRefusal(file.status());
-  const auto mode = file->mode();
+  const fs::path path = path_of_data(name);
+  Descriptor folder = open_folder_of(header);
+  for (const fs::path& part : path.parent_path()) {
+    folder = open_descriptor_in(folder, part, O_PATH | O_DIRECTORY | O_NOFOLLOW);
+    if (!folder.is_open()) refuse_way(header, path, part);
+  }
+  constexpr int kFlags = O_RDONLY | O_NONBLOCK | O_NOFOLLOW;
+  File file(open_descriptor_in(folder, path.filename(), kFlags),
+            fs::path(header).parent_path() / path, io_error);
+  if (!file.descriptor().is_open()) refuse_way(header, path, path.filename());
+  const auto mode = file.mode();
   if (!mode.ok() || !S_ISREG(*mode)) {
     refuse_image(absl::StrCat("its data are in ", quoted_text(name), ", which is no file"));
   }
-  return *std::move(file);
+  return file;
 }
 
 /// Appends bytes [from, end) of a file.

@@ -41,4 +41,9 @@ Descriptor open_descriptor(const std::filesystem::path& path,
                            int flags,
                            mode_t mode = 0666) noexcept;
 
+/// openat(2) of a file that there is: as open_descriptor, from `folder` on.
+Descriptor open_descriptor_in(const Descriptor& folder,
+                              const std::filesystem::path& path,
+                              int flags) noexcept;
+
 }  // namespace tet
