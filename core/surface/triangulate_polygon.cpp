@@ -65,6 +65,11 @@ std::vector<Triangle> fan(std::size_t corners) {
   return triangles;
 }
 
+/// How often a polygon's corners are looked at, at most, divided by their number. An outline of
+/// 30,000 corners takes hundreds, and a spiral of as many 18,600; one that was made to take
+/// long would take the square of its corners.
+constexpr std::size_t kMostLooks = std::size_t{1} << 15;
+
 /// The corners that are left, in a ring; and all of them from left to right, so that whoever
 /// looks for those in an ear looks at few.
 class EarCutter {
@@ -84,12 +89,12 @@ class EarCutter {
     std::ranges::sort(by_x_, {}, [&](std::size_t i) { return points[i].x; });
   }
 
-  /// No triangles where there is no ear to be found.
+  /// Gives no triangles where there is no ear to be found, or none in bearable time.
   std::vector<Triangle> cut() {
     std::vector<Triangle> triangles;
     std::size_t left = points_.size(), corner = 0, tried = 0;
     while (left > 3) {
-      if (tried > left) return {};
+      if (tried > left || looks_ / points_.size() >= kMostLooks) return {};
       if (!is_ear(corner)) {
         corner = next_[corner];
         ++tried;
@@ -114,9 +119,10 @@ class EarCutter {
             static_cast<std::uint32_t>(next_[corner])};
   }
 
-  bool is_ear(std::size_t corner) const {
+  bool is_ear(std::size_t corner) {
     const FlatPoint &a = points_[previous_[corner]], &b = points_[corner],
                     &c = points_[next_[corner]];
+    ++looks_;
     const double turn = turn_of(a, b, c);
     // A corner in the line of its neighbours is cut off at once: it holds nothing.
     if (turn < 0) return false;
@@ -125,6 +131,7 @@ class EarCutter {
     const auto x_of = [&](std::size_t i) { return points_[i].x; };
     for (auto at = std::ranges::lower_bound(by_x_, low, {}, x_of);
          at != by_x_.end() && points_[*at].x <= high; ++at) {
+      ++looks_;
       if (is_cut_[*at] != 0) continue;
       const FlatPoint& p = points_[*at];
       const bool at_corner = (p.x == a.x && p.y == a.y) || (p.x == b.x && p.y == b.y) ||
@@ -139,6 +146,7 @@ class EarCutter {
   std::vector<std::size_t> next_, previous_;
   std::vector<std::uint8_t> is_cut_;
   std::vector<std::size_t> by_x_;
+  std::size_t looks_ = 0;
 };
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace tet {
 /// has corners; ids are places in `points`.
 ///
 /// Ears are cut off, as seen along the polygon's mean normal: those whose triangle holds no
-/// other corner. A polygon that crosses itself, or has no area, gets a fan. Convex polygons get
+/// other corner. A polygon that crosses itself, has no area, or is so tangled that finding ears
+/// takes more than tens of thousands of looks for each corner gets a fan. Convex polygons get
 /// the fan of their first corner.
 std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(
     std::span<const WorldPoint> points);

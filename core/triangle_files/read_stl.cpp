@@ -2,15 +2,16 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_format.h>
 
+#include "core/surface/weld.h"
 #include "core/triangle_files/surface_file.h"
 #include "core/triangle_files/surface_reading.h"
 
@@ -25,35 +26,38 @@ constexpr std::size_t kHeaderBytes = 84;
 constexpr std::size_t kTriangleBytes = 50;
 constexpr std::size_t kNormalBytes = 12;
 
-/// Gives corners of equal coordinates one vertex: STL repeats each vertex in every triangle.
-class Welder {
- public:
-  explicit Welder(TriangleSurface& surface) : surface_(&surface) {}
-
-  std::uint32_t vertex(const WorldPoint& point) {
-    // Adding zero makes -0 and 0 the same.
-    const WorldPoint key{point.x + 0.0, point.y + 0.0, point.z + 0.0};
-    const auto next = static_cast<std::uint32_t>(surface_->vertices.size());
-    const auto [it, added] = ids_.try_emplace(key, next);
-    if (added) surface_->vertices.push_back(key);
-    return it->second;
+/// Makes a triangle of each three corners. Those of equal coordinates get one vertex: STL
+/// repeats each vertex in every triangle. Vertices are in the order of their first corners.
+///
+/// Corners are sorted, since whoever knows how a table hashes them can choose them so that they
+/// all meet in one place of it.
+absl::StatusOr<TriangleSurface> welded(const std::vector<WorldPoint>& corners) {
+  constexpr std::size_t kMostCorners = 0xFFFFFFFF;
+  if (corners.size() > kMostCorners) {
+    return absl::InvalidArgumentError(absl::StrFormat("it has %d triangles; the limit is %d",
+                                                      corners.size() / 3, kMostCorners / 3));
   }
-
- private:
-  struct Hash {
-    std::size_t operator()(const WorldPoint& p) const noexcept {
-      std::uint64_t hash = 0;
-      for (const double v : {p.x, p.y, p.z}) {
-        // The multiplier is 2^64 over the golden ratio: it spreads close keys far apart.
-        hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ULL;
-        hash ^= hash >> 32;
-      }
-      return hash;
+  TriangleSurface surface;
+  surface.triangles.reserve(corners.size() / 3);
+  std::vector<std::uint32_t> ids = weld_equal(corners);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (ids[i] != i) {
+      ids[i] = ids[ids[i]];  // the first of its kind has its vertex by now
+      continue;
     }
-  };
-  TriangleSurface* surface_;
-  std::unordered_map<WorldPoint, std::uint32_t, Hash> ids_;
-};
+    ids[i] = static_cast<std::uint32_t>(surface.vertices.size());
+    surface.vertices.push_back(corners[i]);
+  }
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    surface.triangles.push_back({ids[i], ids[i + 1], ids[i + 2]});
+  }
+  return checked(std::move(surface));
+}
+
+/// Adding zero makes -0 and 0 the same.
+WorldPoint without_signed_zeros(const WorldPoint& p) {
+  return {p.x + 0.0, p.y + 0.0, p.z + 0.0};
+}
 
 std::uint64_t claimed_triangles(std::string_view bytes) {
   std::uint32_t count = 0;
@@ -70,15 +74,22 @@ bool is_comment(std::string_view word) {
   return word.starts_with(';') || word.starts_with('#') || word.starts_with("//");
 }
 
+/// Programs write keywords in either case.
+bool is_keyword(std::string_view word, std::string_view keyword) {
+  return std::ranges::equal(word, keyword, {}, [](char c) {
+    return absl::ascii_tolower(static_cast<unsigned char>(c));
+  });
+}
+
 /// The first word of the first line that is neither blank nor a comment.
-std::string first_keyword(std::string_view text) {
+std::string_view first_keyword(std::string_view text) {
   LineReader lines(text);
   while (lines.next()) {
     std::string_view words = lines.line();
     const std::string_view word = take_word(words);
-    if (!word.empty() && !is_comment(word)) return absl::AsciiStrToLower(std::string(word));
+    if (!word.empty() && !is_comment(word)) return word;
   }
-  return "";
+  return {};
 }
 
 /// Binary files may start with "solid" too, and have bytes behind their triangles. Their counts
@@ -91,7 +102,7 @@ bool is_text(std::string_view bytes) {
       bytes.size() == kHeaderBytes + claimed_triangles(bytes) * kTriangleBytes) {
     return false;
   }
-  return first_keyword(without_byte_order_mark(bytes)) == "solid";
+  return is_keyword(first_keyword(without_byte_order_mark(bytes)), "solid");
 }
 
 /// A count that is too large is of a file that was cut off; one that is too small would leave
@@ -117,25 +128,22 @@ absl::Status check_triangles(std::string_view bytes) {
 absl::StatusOr<TriangleSurface> read_binary(std::string_view bytes) {
   if (absl::Status s = check_triangles(bytes); !s.ok()) return s;
   const std::uint64_t count = claimed_triangles(bytes);
-  TriangleSurface surface;
-  surface.triangles.reserve(count);
-  Welder welder(surface);
+  std::vector<WorldPoint> points;
+  points.reserve(3 * count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = kHeaderBytes + i * kTriangleBytes + kNormalBytes;
     std::array<std::array<float, 3>, 3> corners;
     std::memcpy(&corners, bytes.data() + at, sizeof(corners));
-    std::array<std::uint32_t, 3> triangle;
     for (std::size_t c = 0; c < 3; ++c) {
       const auto& [x, y, z] = corners[c];
       if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) {
         return absl::InvalidArgumentError(absl::StrFormat(
             "byte %d: triangle %d has a corner that is not finite", at + c * 12, i));
       }
-      triangle[c] = welder.vertex({x, y, z});
+      points.push_back(without_signed_zeros({x, y, z}));
     }
-    surface.triangles.push_back(triangle);
   }
-  return checked(std::move(surface));
+  return welded(points);
 }
 
 /// Reads the facets of one text after the other, several of them in a line if need be.
@@ -148,34 +156,35 @@ class AsciiReader {
         return line_error(lines.number(), std::string(s.message()));
       }
     }
-    if (!corners_.empty()) return line_error(lines.number(), "the last facet does not end");
-    return checked(std::move(surface_));
+    if (corners_.size() != ended_) {
+      return line_error(lines.number(), "the last facet does not end");
+    }
+    return welded(corners_);
   }
 
  private:
   absl::Status read_line(std::string_view words) {
     for (std::string_view word = take_word(words); !word.empty(); word = take_word(words)) {
       if (is_comment(word)) break;
-      const std::string keyword = absl::AsciiStrToLower(std::string(word));
       absl::Status status;
-      if (keyword == "solid" || keyword == "endsolid") skip_name(words);
-      if (keyword == "vertex") status = read_vertex(words);
-      if (keyword == "endfacet") status = end_facet();
+      if (is_keyword(word, "solid") || is_keyword(word, "endsolid")) skip_name(words);
+      if (is_keyword(word, "vertex")) status = read_vertex(words);
+      if (is_keyword(word, "endfacet")) status = end_facet();
       if (!status.ok()) return status;
     }
     return absl::OkStatus();
   }
 
-  /// A name is what follows in the line, up to a facet; it may hold any word.
+  /// A name is what follows in the line, up to a facet and its normal; it may hold any word.
   static void skip_name(std::string_view& words) {
-    const std::string line = absl::AsciiStrToLower(std::string(words));
-    std::size_t facet = line.find("facet");
-    while (facet != std::string::npos) {
-      std::string_view after = std::string_view(line).substr(facet);
-      if (take_word(after) == "facet" && take_word(after) == "normal") break;
-      facet = line.find("facet", facet + 1);
+    bool after_facet = false;
+    for (std::string_view rest = words; !rest.empty();) {
+      const std::string_view here = rest;
+      const std::string_view word = take_word(rest);
+      if (after_facet && is_keyword(word, "normal")) return;
+      after_facet = is_keyword(word, "facet");
+      words = after_facet ? here : rest;
     }
-    words.remove_prefix(std::min(facet, words.size()));
   }
 
   absl::Status read_vertex(std::string_view& words) {
@@ -183,23 +192,22 @@ class AsciiReader {
     if (!take_point(words, point)) {
       return absl::InvalidArgumentError("a vertex needs three finite numbers");
     }
-    corners_.push_back(welder_.vertex(point));
+    corners_.push_back(without_signed_zeros(point));
     return absl::OkStatus();
   }
 
   absl::Status end_facet() {
-    if (corners_.size() != 3) {
+    const std::size_t corners = corners_.size() - ended_;
+    if (corners != 3) {
       return absl::InvalidArgumentError(
-          absl::StrFormat("a facet has %d vertices, not three", corners_.size()));
+          absl::StrFormat("a facet has %d vertices, not three", corners));
     }
-    add_polygon(corners_, surface_);
-    corners_.clear();
+    ended_ = corners_.size();
     return absl::OkStatus();
   }
 
-  TriangleSurface surface_;
-  Welder welder_{surface_};
-  std::vector<std::uint32_t> corners_;
+  std::vector<WorldPoint> corners_;
+  std::size_t ended_ = 0;  ///< corners of the facets that have ended
 };
 
 }  // namespace

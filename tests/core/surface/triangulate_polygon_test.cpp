@@ -1,11 +1,14 @@
 #include "core/surface/triangulate_polygon.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "core/base/tet_geometry.h"
+#include "core/base/thread_time.h"
+#include "tests/support/sanitized.h"
 
 namespace tet {
 namespace {
@@ -70,6 +73,46 @@ TEST(TriangulatePolygon, FansConvexPolygonsAndWhatIsNone) {
   EXPECT_EQ(triangulate_polygon(bow).size(), 2U);
   EXPECT_TRUE(triangulate_polygon(std::span(square).first(2)).empty());
   EXPECT_TRUE(triangulate_polygon({}).empty());
+}
+
+/// A polygon that crosses itself, with ears that are found one by one: between two of them all
+/// of its `teeth` are looked at, and of each all other corners before the one that lies in it.
+std::vector<WorldPoint> tangled(int teeth) {
+  const double long_way = 1000;
+  std::vector<WorldPoint> polygon;
+  for (int i = 0; i < teeth; ++i) {
+    polygon.push_back({0, 1.0 * i, 0});
+    polygon.push_back({long_way, i + 0.5, 0});
+  }
+  polygon.push_back({0, 1.0 * teeth, 0});
+  polygon.push_back({-10 * long_way, 1.0 * teeth, 0});
+  polygon.push_back({-10 * long_way, -1, 0});
+  for (int i = -1; i < teeth; ++i) {
+    const double part = 1.0 * i / teeth;
+    polygon.push_back({0.99 * long_way + 1e-3 * part * part, i + 0.5, 0});
+  }
+  return polygon;
+}
+
+TEST(TriangulatePolygon, FansWhatWouldTakeTheCubeOfItsCorners) {
+  const auto polygon = tangled(test::sanitized_or(1000, 4000));  // minutes, to the end
+  const std::chrono::nanoseconds before = thread_time();
+  const auto triangles = triangulate_polygon(polygon);
+  EXPECT_LT(thread_time() - before, std::chrono::seconds(30));
+  EXPECT_EQ(triangles.size(), polygon.size() - 2);
+}
+
+TEST(TriangulatePolygon, CutsTheEarsOfLongCombsToTheEnd) {
+  const int teeth = test::sanitized_or(500, 5000);
+  std::vector<WorldPoint> comb{{-1, 0, 0}};
+  for (int i = 0; i <= teeth; ++i) {
+    if (i > 0) comb.push_back({10, i - 0.5, 0});
+    comb.push_back({0, 1.0 * i, 0});
+  }
+  comb.push_back({-1, 1.0 * teeth, 0});
+  const Areas areas = areas_of(comb);
+  EXPECT_NEAR(areas.wound, 6.0 * teeth, 1e-6);
+  EXPECT_NEAR(areas.all, 6.0 * teeth, 1e-6);
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 #include "core/triangle_files/surface_file.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cctype>
+#include <charconv>
+#include <chrono>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -11,7 +15,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/thread_time.h"
 #include "core/surface/close_surface.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/test_directory.h"
 
 namespace tet {
@@ -182,6 +188,7 @@ TEST(ReadStl, ReadsTextAsProgramsWriteIt) {
       replaced(text, "\n", " "),
       replaced(text, " two\n", "\n"),
       replaced(text, "two", "two facets of a vertex 1 2"),
+      replaced(replaced(text, "\n", " "), "two", "two facet normals or a facet"),
       replaced(text, "0 0 1\n", "nan -nan(ind) 1\n"),
       upper,
       "\xEF\xBB\xBF" + text,
@@ -194,6 +201,71 @@ TEST(ReadStl, ReadsTextAsProgramsWriteIt) {
     EXPECT_THAT(surface->triangles, ElementsAre(Corners{0, 1, 2}, Corners{1, 3, 2})) << file;
   }
   EXPECT_EQ(read_stl(text + replaced(text, "two", "three"))->triangles.size(), 4U);
+}
+
+/// The processor time of reading a file of two triangles.
+std::chrono::nanoseconds time_to_read(const std::string& stl) {
+  const std::chrono::nanoseconds before = thread_time();
+  const auto surface = read_stl(stl);
+  EXPECT_TRUE(surface.ok() && surface->triangles.size() == 2) << surface.status();
+  return thread_time() - before;
+}
+
+TEST(ReadStl, TakesLongNamesInOneGo) {
+  // Many minutes, if each word were looked for in all that follows it.
+  constexpr std::size_t kWords = 300'000;
+  for (const char* word : {"facet", "facet ", " facet normal solid", "solid "}) {
+    std::string name = "solid ";
+    for (std::size_t i = 0; i < kWords; ++i) name += word;
+    EXPECT_LT(time_to_read(name + "\n" + kAsciiStl), std::chrono::seconds(30)) << word;
+  }
+}
+
+double with_bits(std::uint64_t bits) { return std::bit_cast<double>(bits); }
+
+/// Facets whose corners all have one hash: that of a table which the welder once had.
+std::string facets_of_one_hash(std::size_t count) {
+  std::mt19937_64 random(5);  // NOLINT(cert-msc51-cpp): the same corners every time
+  std::string text = "solid\n";
+  const auto append = [&](double number) {
+    std::array<char, 32> digits{};
+    text += ' ';
+    text.append(digits.data(), std::to_chars(digits.begin(), digits.end(), number).ptr);
+  };
+  for (std::size_t corner = 0; corner < 3 * count;) {
+    const double x = std::ldexp(static_cast<double>(random() >> 11), -50), y = 1;
+    std::uint64_t hash = 0;
+    for (const double v : {x, y}) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x9E3779B97F4A7C15ULL;
+      hash ^= hash >> 32;
+    }
+    if (!std::isfinite(with_bits(hash))) continue;
+    text += "vertex";
+    for (const double v : {x, y, with_bits(hash)}) append(v);
+    text += ++corner % 3 == 0 ? "\nendfacet\n" : "\n";
+  }
+  return text;
+}
+
+TEST(ReadStl, WeldsCornersOfEqualHashesAsFastAsOthers) {
+  // Minutes, if each corner were compared with all others.
+  constexpr std::size_t kFacets = test::sanitized_or<std::size_t>(20'000, 100'000);
+  const std::string text = facets_of_one_hash(kFacets);
+  const std::chrono::nanoseconds before = thread_time();
+  const auto surface = read_stl(text);
+  EXPECT_LT(thread_time() - before, std::chrono::seconds(30));
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_EQ(surface->vertices.size(), 3 * kFacets);
+}
+
+TEST(ReadStl, NumbersVerticesByTheirFirstCorners) {
+  const auto surface = read_stl(
+      "solid\nvertex 9 0 0\nvertex 5 0 0\nvertex 7 0 1\nendfacet\n"
+      "vertex 5 -0 0\nvertex 1 0 0\nvertex 7 0 1\nendfacet\n");
+  ASSERT_TRUE(surface.ok()) << surface.status();
+  EXPECT_THAT(surface->vertices, ElementsAre(WorldPoint{9, 0, 0}, WorldPoint{5, 0, 0},
+                                             WorldPoint{7, 0, 1}, WorldPoint{1, 0, 0}));
+  EXPECT_THAT(surface->triangles, ElementsAre(Corners{0, 1, 2}, Corners{1, 3, 2}));
 }
 
 TEST(ReadStl, NamesThePlaceThatIsWrong) {
