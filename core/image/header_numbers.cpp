@@ -104,9 +104,7 @@ void set_axes(const std::array<Triple, 3>& axes, const Triple& origin, ImageArra
 }
 
 void check_claim(const ImageArray& array) {
-  // A stream of deflate makes at most this of a byte; base64 takes four letters for three
-  // bytes.
-  constexpr std::uint64_t kMostExpansion = 1032;
+  // Base64 takes four letters for three bytes.
   std::uint64_t most = array.bytes;
   switch (array.encoding) {
     case ImageEncoding::kRaw:

@@ -13,6 +13,9 @@
 
 namespace tet {
 
+/// A stream of deflate makes at most this of a byte.
+inline constexpr std::uint64_t kMostExpansion = 1032;
+
 /// Words between white space; at most `most` of them, or it is refused. `what` names the field.
 std::vector<std::string_view> words_of(std::string_view text,
                                        std::size_t most,

@@ -82,16 +82,22 @@ struct ImageOutline {
   ImageFormat format = ImageFormat::kNrrd;
   ImageSpace space;
   std::vector<ImageArray> arrays;  ///< at least one, but of a packed file
-  /// The whole file is one stream of gzip: only what unpacks it knows more than the length that
-  /// its last bytes claim.
+  /// The whole file is of gzip: only what unpacks it knows more than the length that its last
+  /// bytes claim. That is modulo 2^32, and of the last member alone where there are several.
   bool packed = false;
   std::uint64_t unpacked_bytes = 0;
   /// The header goes on beyond what was looked at: there may be other arrays.
   bool cut = false;
 
-  /// What reading it takes at most, bytes.
+  /// What reading it takes at most, bytes; of a packed file, what it takes at least that is as
+  /// long as it claims.
   std::uint64_t volume_bytes() const noexcept;
   std::uint64_t reading_bytes(std::uint64_t file_bytes) const noexcept;
+
+  /// What reading it may take: more than that of a packed file, which may be longer than it
+  /// claims, and of few slices, whose bricks reach far beyond them.
+  std::uint64_t most_volume_bytes(std::uint64_t file_bytes) const noexcept;
+  std::uint64_t most_reading_bytes(std::uint64_t file_bytes) const noexcept;
 };
 
 const char* format_name(ImageFormat format) noexcept;  ///< "NIfTI"

@@ -13,6 +13,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/image/binary_header.h"
+#include "core/image/header_numbers.h"
 #include "core/image/image_refusal.h"
 #include "core/image/inflate.h"
 #include "core/image/nifti_header.h"
@@ -295,6 +296,25 @@ void read_stored(const ByteSource& source,
   }
 }
 
+/// A length as gzip stores it.
+std::uint64_t modulo_gzip(std::uint64_t bytes) { return bytes & 0xFFFFFFFF; }
+
+/// How much a file of gzip holds, of which `bytes` has unpacked `unpacked` so far. Unpacks the
+/// rest of it, and refuses what does not end as gzip does.
+std::uint64_t measure(Inflater& bytes, std::uint64_t unpacked, const ImageOutline& packed) {
+  std::vector<std::byte> passed(kWindow);
+  std::size_t count = 0;
+  do {
+    count = bytes.read(passed);
+    unpacked += count;
+  } while (count == passed.size());
+  if (modulo_gzip(bytes.member_bytes()) == packed.unpacked_bytes) return unpacked;
+  refuse_image("it is truncated, or foreign bytes follow it: it does not end as gzip does");
+}
+
+/// The length that a file of gzip claims is not the whole one where it is of 4 GiB and more, or
+/// has several members: whatever its header tells must have that length modulo 2^32, or else
+/// all is unpacked so as to know.
 ImageOutline outline_unpacked(const ByteSource& source, const ImageOutline& packed) {
   Inflater bytes(source, 0, source.size());
   std::vector<std::byte> head(kNiftiHeaderBytes);
@@ -302,7 +322,11 @@ ImageOutline outline_unpacked(const ByteSource& source, const ImageOutline& pack
   if (!is_nifti(head)) {
     refuse_contents("it is packed by gzip, and only NIfTI images may be: unpack it");
   }
-  ImageOutline outline = read_nifti_header(head, packed.unpacked_bytes);
+  ImageOutline outline = read_nifti_header(head, kMostExpansion * source.size());
+  const ImageArray& array = outline.arrays.front();
+  if (modulo_gzip(array.offset + array.value_bytes()) != packed.unpacked_bytes) {
+    outline = read_nifti_header(head, measure(bytes, head.size(), packed));
+  }
   outline.packed = true;
   outline.unpacked_bytes = packed.unpacked_bytes;
   return outline;

@@ -13,7 +13,8 @@ struct z_stream_s;
 
 namespace tet {
 
-/// Unpacks one stream that begins somewhere in a file. Throws ImageRefusal where it is broken.
+/// Unpacks one stream that begins somewhere in a file; of gzip all members that follow each
+/// other, as bgzip writes them. Throws ImageRefusal where it is broken.
 class Inflater {
  public:
   Inflater(const ByteSource& source, std::uint64_t offset, std::uint64_t bytes);
@@ -24,14 +25,18 @@ class Inflater {
   /// Fills `into`; less only at the stream's end. Returns how much there was.
   std::size_t read(std::span<std::byte> into);
 
+  /// What the member that was read last has unpacked to so far.
+  std::uint64_t member_bytes() const noexcept;
+
  private:
   bool refill();
+  bool begin_next_member();
 
   ByteSource source_;
   std::uint64_t at_, end_;
   std::vector<std::byte> window_;
   std::unique_ptr<z_stream_s> stream_;
-  bool done_ = false;
+  bool has_begun_ = false, is_gzip_ = false, done_ = false;
 };
 
 /// Unpacks a whole stream that is as long as `into`. Throws ImageRefusal.

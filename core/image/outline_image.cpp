@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/image/binary_header.h"
+#include "core/image/header_numbers.h"
 #include "core/image/image_refusal.h"
 #include "core/image/meta_header.h"
 #include "core/image/nifti_header.h"
@@ -21,9 +22,6 @@ namespace {
 constexpr std::size_t kMagicBytes = 4096;
 constexpr std::size_t kXmlHeaderBytes = std::size_t{1} << 20;
 
-/// A stream of deflate makes at most this of a byte.
-constexpr std::uint64_t kMostExpansion = 1032;
-
 bool is_gzip(std::span<const std::byte> head) {
   return head.size() > 2 && head[0] == std::byte{0x1f} && head[1] == std::byte{0x8b};
 }
@@ -35,7 +33,8 @@ std::span<const std::byte> head_of(const ByteSource& source,
   return head.first(std::min(head.size(), bytes));
 }
 
-/// The last four bytes of a gzip file say how long it was, modulo 2^32.
+/// The last four bytes of a gzip file say how long it was, modulo 2^32; of several members, how
+/// long the last one was.
 ImageOutline outline_packed(const ByteSource& source) {
   constexpr std::uint64_t kLeast = 18;
   if (source.size() < kLeast) refuse_image("it is truncated: it ends within its gzip header");

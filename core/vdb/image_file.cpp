@@ -1,5 +1,7 @@
 #include "core/vdb/image_file.h"
 
+#include <algorithm>
+
 #include <absl/strings/str_format.h>
 
 #include "core/base/posix/byte_source.h"
@@ -37,7 +39,13 @@ absl::StatusOr<MemoryCharge> charge_image(const OpenGridFile& file,
     charge.reading = 2 * file_bytes;  // its text as a whole
   }
   const absl::Status fits = check_memory(charge, max_volume_bytes, max_reading_bytes);
-  return fits.ok() ? absl::StatusOr<MemoryCharge>(charge) : told_of_image(file, fits);
+  if (!fits.ok()) return told_of_image(file, fits);
+  if (outline->packed && !lists) {
+    // Whether it is one that takes more than it claims shows only when it is unpacked.
+    charge = {std::min(outline->most_volume_bytes(file_bytes), max_volume_bytes),
+              std::min(outline->most_reading_bytes(file_bytes), max_reading_bytes)};
+  }
+  return charge;
 }
 
 }  // namespace tet

@@ -1,4 +1,7 @@
 // What the readers of images say of files that lie: tests/data/hostile_image.
+#include <array>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -94,6 +97,63 @@ TEST(HostileImage, IsRefusedOrReadWhateverItsBytesAre) {
       EXPECT_TRUE(volume.ok() || !volume.status().message().empty());
       EXPECT_TRUE(labels.ok() || !labels.status().message().empty());
     }
+  }
+}
+
+/// A file of gzip that begins with these bytes as they are, and ends with a length.
+std::string packed_file(const std::string& begin, std::size_t bytes, std::uint32_t length) {
+  std::string file("\x1f\x8b\x08\0\0\0\0\0\0\xff\0", 11);
+  const auto append = [&](std::uint64_t number, int count) {
+    for (int i = 0; i < count; ++i) file += static_cast<char>(number >> 8 * i & 255);
+  };
+  append(begin.size(), 2);
+  append(~begin.size(), 2);
+  file += begin;
+  file.resize(bytes - 4);
+  append(length, 4);
+  return file;
+}
+
+/// The header of a NIfTI image of as many voxels of two bytes.
+std::string header_of(std::int16_t x, std::int16_t y, std::int16_t z) {
+  std::string header = file_of("good.nii").substr(0, 352);
+  header.resize(600);
+  const std::array<std::int16_t, 3> size{x, y, z};
+  std::memcpy(header.data() + 42, size.data(), sizeof(size));
+  return header;
+}
+
+TEST(PackedImage, MayBeLongerThanGzipCanSay) {
+  // 6 GB, of which gzip stores 1.7.
+  const std::uint64_t length = 352 + 2 * 1000ULL * 1000 * 3000;
+  const auto stored = static_cast<std::uint32_t>(length);
+  const std::string file = packed_file(header_of(1000, 1000, 3000), 100'000'000, stored);
+  const auto listed = list_image(source_of(file));
+  ASSERT_TRUE(listed.ok()) << listed.status();
+  EXPECT_EQ(listed->front().active_voxels, 3'000'000'000U);
+  const auto outline = outline_image(source_of(file));
+  ASSERT_TRUE(outline.ok());
+  EXPECT_GT(outline->most_reading_bytes(file.size()), 2 * length);
+  const std::string other = packed_file(header_of(1000, 1000, 3000), 100'000'000, stored + 1);
+  EXPECT_FALSE(list_image(source_of(other)).ok());
+  const std::string small = packed_file(header_of(1000, 1000, 3000), 5'000'000, stored);
+  EXPECT_THAT(std::string(list_image(source_of(small)).status().message()),
+              HasSubstr("it is truncated"));
+}
+
+TEST(PackedImage, IsChargedForWholeBricksOfFewSlices) {
+  for (const std::int16_t slices : std::array<std::int16_t, 3>{1, 2, 8}) {
+    const std::string header = header_of(2048, 2048, slices);
+    const std::uint64_t length = 352 + 2ULL * 2048 * 2048 * slices;
+    std::string image = header.substr(0, 352);
+    image.resize(length);
+    const auto plain = outline_image(source_of(image));
+    ASSERT_TRUE(plain.ok()) << plain.status();
+    const auto packed = outline_image(
+        source_of(packed_file(header, length / 4, static_cast<std::uint32_t>(length))));
+    ASSERT_TRUE(packed.ok()) << packed.status();
+    EXPECT_GE(packed->most_volume_bytes(length / 4), plain->volume_bytes()) << slices;
+    EXPECT_GE(packed->most_reading_bytes(length / 4), plain->reading_bytes(length)) << slices;
   }
 }
 

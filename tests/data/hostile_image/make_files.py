@@ -62,6 +62,8 @@ def appended(data, array=RAW, head=' compressor="vtkZLibDataCompressor"'):
 GOOD = {
     "good.nii": NIFTI, "good.nrrd": NRRD, "good.mha": META, "good.npy": numpy_file(),
     "good.vti": vti(), "blocks.vti": appended(blocks()), "good.nii.gz": gzip.compress(NIFTI, mtime=0),
+    "gz_members.nii.gz": b"".join(gzip.compress(part, mtime=0)
+                                  for part in (NIFTI[:200], NIFTI[200:370], NIFTI[370:], b"")),
     "gz.nrrd": nrrd(VALUES, AFFINE, encoding="gzip"), "big.nii": nifti(VALUES, AFFINE, order=">"),
     "zlib.mha": meta(VALUES, AFFINE, compressed=True),
     "text.nrrd": nrrd(VALUES, AFFINE, encoding="ascii"),
@@ -89,6 +91,13 @@ BAD = {
     "claims_much.nii.gz": (gzip.compress(NIFTI, mtime=0)[:-4] + b"\xff\xff\xff\xff",
                            "more than gzip can have packed"),
     "cut.nii.gz": (gzip.compress(NIFTI, mtime=0)[:-12] + struct.pack("<I", len(NIFTI)), "broken"),
+    "cut_members.nii.gz": (gzip.compress(NIFTI[:370], mtime=0) + gzip.compress(b"", mtime=0),
+                           "it is truncated"),
+    "short.nii.gz": (gzip.compress(NIFTI[:-1], mtime=0), "it is truncated"),
+    "longer.nii.gz": (gzip.compress(NIFTI + b"0", mtime=0), "unpacks to more"),
+    "followed.nii.gz": (gzip.compress(NIFTI, mtime=0) + b"\0" * 8, "foreign bytes"),
+    "gz_far.nii.gz": (gzip.compress(at(NIFTI, 40, "4h", 3, 5000, 5000, 5000), mtime=0),
+                      "it is truncated"),
     "no_end.nrrd": (NRRD[:60], "its header has no end"),
     "no_type.nrrd": (NRRD.replace(b"type: int16\n", b""), "no field 'type'"),
     "block_type.nrrd": (NRRD.replace(b"int16", b"block"), "of the type 'block'"),
