@@ -23,13 +23,10 @@ constexpr std::string_view kNrrdMagic = "NRRD000";
 
 /// Other names of fields.
 constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
-    {"datafile", "data file"},
-    {"byteskip", "byte skip"},
-    {"lineskip", "line skip"},
-    {"axismins", "axis mins"},
-    {"centerings", "centers"},
-    {"spaceunits", "space units"},
-    {"spacedirections", "space directions"},
+    {"datafile", "data file"},       {"byteskip", "byte skip"},
+    {"lineskip", "line skip"},       {"axismins", "axis mins"},
+    {"axismaxs", "axis maxs"},       {"centerings", "centers"},
+    {"spaceunits", "space units"},   {"spacedirections", "space directions"},
     {"spaceorigin", "space origin"},
 };
 

@@ -16,6 +16,7 @@
 
 #include "core/image/header_numbers.h"
 #include "core/image/image_refusal.h"
+#include "core/image/nrrd_axis.h"
 #include "core/image/nrrd_fields.h"
 #include "core/image/text_header.h"
 
@@ -205,13 +206,34 @@ std::vector<std::optional<double>> numbers_of(const NrrdFields& fields, const ch
   return numbers;
 }
 
+std::vector<Centering> centerings_of(const NrrdFields& fields) {
+  std::vector<Centering> centerings;
+  const std::string* text = fields.find("centers");
+  if (text == nullptr) return centerings;
+  for (const std::string_view word : words_of(*text, kMostNrrdDimensions, "centers")) {
+    centerings.push_back(absl::EqualsIgnoreCase(as_absl(word), "cell")   ? Centering::kCell
+                         : absl::EqualsIgnoreCase(as_absl(word), "node") ? Centering::kNode
+                                                                         : Centering::kUnsaid);
+  }
+  return centerings;
+}
+
 Axes plain_axes(const NrrdFields& fields, const std::vector<std::int64_t>& sizes) {
   Axes axes;
   axes.sizes = sizes;
-  const auto spacings = numbers_of(fields, "spacings"), mins = numbers_of(fields, "axis mins");
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (i < spacings.size() && spacings[i]) axes.steps[i][i] = *spacings[i];
-    if (i < mins.size() && mins[i]) axes.origin[i] = *mins[i];
+  const auto spacings = numbers_of(fields, "spacings"), mins = numbers_of(fields, "axis mins"),
+             maxs = numbers_of(fields, "axis maxs");
+  const std::vector<Centering> centerings = centerings_of(fields);
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, sizes.size()); ++i) {
+    PlainAxis axis;
+    axis.size = static_cast<double>(sizes[i]);
+    if (i < spacings.size()) axis.spacing = spacings[i];
+    if (i < mins.size()) axis.min = mins[i];
+    if (i < maxs.size()) axis.max = maxs[i];
+    if (i < centerings.size()) axis.centering = centerings[i];
+    check_plain_axis(axis, i);
+    axes.steps[i][i] = axis.step();
+    axes.origin[i] = axis.origin();
   }
   return axes;
 }
