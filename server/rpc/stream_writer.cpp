@@ -40,6 +40,11 @@ void StreamWriter::end(const absl::Status& status) {
   note_end();
 }
 
+void StreamWriter::note_from_task(const std::string& key, const std::string& value) {
+  const std::lock_guard lock(mutex_);
+  if (!ended_) call_.note(key, value);
+}
+
 void StreamWriter::guard(const std::function<void()>& step) {
   const absl::Status status = guarded(call_.method().c_str(), step);
   if (!status.ok()) close(status);

@@ -68,6 +68,9 @@ class StreamWriter : public Stallable, public std::enable_shared_from_this<Strea
   bool ended() const { return ended_; }
   /// Whether that is as it should; with the lock.
   bool ended_well() const { return ended_ && status_.ok(); }
+  /// Adds a field to the call's log line from a task; without the lock. Where the call ends,
+  /// that line may be written on another thread at this moment, so nothing is added.
+  void note_from_task(const std::string& key, const std::string& value);
   /// Takes a step of this call's, on any thread; what that throws ends the call.
   void guard(const std::function<void()>& step);
   /// Calls `start`, which begins an operation of gRPC's, unless the call ends.

@@ -132,7 +132,7 @@ absl::Status RemeshStream::take_start(const v1::MeshRequest& request) {
   next_ = {request, *std::move(order)};
   next_.order.space = call_.space();
   next_.order.is_frame = true;
-  if (!next_.order.digest.empty()) call_.note("grid", next_.order.digest);
+  if (!next_.order.digest.empty()) note_from_task("grid", next_.order.digest);
   return absl::OkStatus();
 }
 

@@ -147,7 +147,7 @@ absl::Status SampleStream::take_start(const v1::MeshRequest& request) {
   started_ = true;
   order_ = *std::move(order);
   order_.space = call_.space();
-  if (!order_.digest.empty()) call_.note("grid", order_.digest);
+  if (!order_.digest.empty()) note_from_task("grid", order_.digest);
   return absl::OkStatus();
 }
 
