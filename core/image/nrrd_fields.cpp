@@ -112,6 +112,11 @@ NrrdFields read_nrrd_fields(std::span<const std::byte> head) {
 std::vector<std::string> numbered_files(const std::string& text) {
   const auto words = words_of(text, 5, "data file");
   const std::string_view pattern = words[0];
+  constexpr std::size_t kMostPathBytes = 4096;  // which systems open
+  if (pattern.size() > kMostPathBytes) {
+    refuse_image(absl::StrFormat("its data file has a name of %d bytes; the limit is %d",
+                                 pattern.size(), kMostPathBytes));
+  }
   const std::size_t percent = pattern.find('%');
   std::size_t end = percent + 1;
   int width = 0;

@@ -1,6 +1,9 @@
 #include "core/image/join_image.h"
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
+#include <sys/resource.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +16,13 @@ namespace {
 using ::testing::HasSubstr;
 
 namespace fs = std::filesystem;
+
+/// The most memory that this process has had, in bytes.
+std::size_t most_memory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) << 10;
+}
 
 /// A header in `folder/own`, beside which there is `folder/other` with a file of eight bytes.
 class JoinImage : public ::testing::Test {
@@ -66,6 +76,15 @@ TEST_F(JoinImage, FollowsTheLinksThatTheHeaderItselfIsNamedBy) {
   ASSERT_EQ(join("below/a.raw"), absl::OkStatus());
   link("way", "own");
   EXPECT_EQ(join_image(folder_.file("way/a.nhdr"), folder_.file("again")), absl::OkStatus());
+}
+
+TEST_F(JoinImage, CountsNoFilesOfNamesThatNothingOpens) {
+  const std::size_t before = most_memory();
+  const absl::Status status = join(std::string(60'000, 'a') + "%d 0 99999 1");
+  EXPECT_THAT(std::string(status.message()), HasSubstr("60002 bytes; the limit is 4096"));
+  EXPECT_LT(most_memory() - before, std::size_t{100} << 20);
+  EXPECT_EQ(join(std::string(4000, 'a') + "%d 0 7 1").code(),
+            absl::StatusCode::kFailedPrecondition);
 }
 
 TEST_F(JoinImage, TellsOfFilesThatAreMissingOrNone) {
