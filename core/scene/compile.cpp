@@ -221,6 +221,21 @@ class Compiler {
   std::vector<std::shared_ptr<const Volume>> grids_;
 };
 
+/// Volumes of a primitive's own space for one of the world's; of a half-space, which has but
+/// one axis, the length of that.
+double determinant_of(const Instruction& op) {
+  const auto& [x, y, z] = op.frame.linear;
+  if (op.op == Op::kHalfSpace) return std::hypot(z[0], z[1], z[2]);
+  return x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) +
+         x[2] * (y[0] * z[1] - y[1] * z[0]);
+}
+
+bool has_finite_places(const Instruction& op) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return std::ranges::all_of(op.size, finite) &&
+         std::ranges::all_of(op.frame.translation, finite);
+}
+
 }  // namespace
 
 absl::Status check_instructions(const Description& description, const Parts& parts) {
@@ -234,6 +249,28 @@ absl::Status check_instructions(const Description& description, const Parts& par
     return absl::InvalidArgumentError(absl::StrFormat(
         "%s is %.6g primitives and operators, every copy counted; the limit is %d",
         path_of(description, i), count[i], Scene::kMaxInstructions));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_frames(const Description& description,
+                          const std::vector<Instruction>& program) {
+  constexpr double kLeastScale = 1e-60, kMostScale = 1e60;  // their cubes are doubles by far
+  for (const Instruction& op : program) {
+    const double scale = op.frame.scale;
+    const double determinant = determinant_of(op);
+    if (!(scale >= kLeastScale && scale <= kMostScale)) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s is scaled by %g by itself and the transforms around it, which is not from %g to "
+          "%g: scale it by less, or in fewer transforms",
+          path_of(description, op.node), scale, kLeastScale, kMostScale));
+    }
+    if (!std::isfinite(determinant) || determinant == 0 || !has_finite_places(op)) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s has the determinant %g by the transforms around it, and that or where it lies is "
+          "0 or not finite: scale and move it by less, or in fewer transforms",
+          path_of(description, op.node), determinant));
+    }
   }
   return absl::OkStatus();
 }

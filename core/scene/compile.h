@@ -22,6 +22,11 @@ struct Program {
 /// Error: kInvalidArgument (more than Scene::kMaxInstructions, every copy counted).
 absl::Status check_instructions(const Description& description, const Parts& parts);
 
+/// Transforms multiply, and so do what they scale by: where a node's own coordinates leave the
+/// range of a double, none of its values means anything. Error: kInvalidArgument.
+absl::Status check_frames(const Description& description,
+                          const std::vector<Instruction>& program);
+
 /// Columns that the evaluation of a program needs at most.
 std::size_t deepest_stack(const std::vector<Instruction>& program);
 

@@ -90,6 +90,9 @@ absl::StatusOr<Scene> make_scene(const scene::Description& description) {
   if (auto status = scene::check_loaded(description); !status.ok()) return status;
   if (auto status = scene::check_insides(description); !status.ok()) return status;
   scene::Program program = scene::compile(description, *parts);
+  if (auto status = scene::check_frames(description, program.instructions); !status.ok()) {
+    return status;
+  }
   Scene made;
   made.program = std::move(program.instructions);
   made.runs = std::move(program.runs);

@@ -36,6 +36,45 @@ std::string refusal_of(Kind kind) {
   return refusal_of_nodes(named("", std::move(kind)));
 }
 
+/// What is said of a node within so many transforms, each of the one before.
+std::string refusal_within(int count, const Transform& each, scene::Node node) {
+  Description description;
+  node.name = "0";
+  description.nodes.push_back(std::move(node));
+  for (int i = 1; i <= count; ++i) {
+    Transform transform = each;
+    transform.of = std::to_string(i - 1);
+    description.nodes.push_back(named(std::to_string(i), transform));
+  }
+  return refusal_of(description);
+}
+
+TEST(MakeScene, RefusesTransformsThatTogetherLeaveTheNumbers) {
+  const Node sphere = named("", Sphere{1}), half_space = named("", HalfSpace{{0, 0, 1}, 2});
+  const auto scaled = [](double x, double y, double z) {
+    Transform transform;
+    transform.scale = {x, y, z};
+    return transform;
+  };
+  for (const double scale : {1e-15, 1e15}) {
+    const Transform each = scaled(scale, scale, scale);
+    EXPECT_EQ(refusal_within(3, each, sphere), "");
+    EXPECT_EQ(refusal_within(3, each, half_space), "");
+    for (const Node& node : {sphere, half_space}) {
+      EXPECT_TRUE(refusal_within(22, each, node).find("which is not from 1e-60 to 1e+60") !=
+                  std::string::npos)
+          << refusal_within(22, each, node);
+    }
+  }
+  EXPECT_EQ(refusal_within(10, scaled(1e15, 1, 1), sphere), "");
+  EXPECT_EQ(refusal_within(22, scaled(1e15, 1, 1), sphere).substr(0, 40),
+            "nodes[0].sphere has the determinant 0 by");
+  Transform moved = scaled(1e-15, 1e-15, 1e-15);
+  moved.translation = {1, 0, 0};
+  EXPECT_EQ(refusal_within(3, moved, sphere), "");
+  EXPECT_NE(refusal_within(22, moved, sphere), "");
+}
+
 TEST(MakeScene, NamesTheSizeThatCannotBe) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
