@@ -13,6 +13,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/utf8.h"
+
 namespace tet {
 namespace {
 
@@ -111,6 +113,8 @@ absl::StatusOr<GridInfo> read_grid(const Record& record, std::string_view& text)
       !take(text, record.place_bytes, kMaxTextBytes, grid.place)) {
     return wrong_list("a text is too long");
   }
+  // A message of protobuf holds nothing else, and would be refused as a whole.
+  if (!is_utf8(grid.name)) return wrong_list("a name is not UTF-8");
   if (!is_printable(grid.value_type) || !is_printable(grid.grid_class) ||
       !is_printable(grid.not_meshable) || !is_printable(grid.made_of) ||
       !is_printable(grid.place)) {

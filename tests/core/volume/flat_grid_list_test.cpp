@@ -111,6 +111,8 @@ TEST(FlatGridList, RefusesEveryLie) {
   EXPECT_FALSE(read(changed(truth, kRecords + kBox, 5)).ok());
   EXPECT_FALSE(read(changed(truth, kRecords + kVoxelSize, std::nan(""))).ok());
   EXPECT_FALSE(read(changed(truth, text + 9, '\x1B')).ok());
+  const std::size_t last = truth.find("density\xC3") + 8;  // of a character's two bytes
+  EXPECT_FALSE(read(changed(truth, last, 'e')).ok());
 }
 
 }  // namespace
