@@ -49,6 +49,23 @@ bool is_utf8(std::string_view text) noexcept {
   return true;
 }
 
+std::string as_utf8(std::string_view text, std::size_t most_bytes) {
+  if (is_utf8(text)) return std::string(text);
+  // Latin-1's characters have the numbers that they have in Unicode.
+  std::string utf8;
+  for (const char c : text) {
+    if (utf8.size() + 2 > most_bytes) break;
+    const auto code = static_cast<std::uint8_t>(c);
+    if (code < 0x80) {
+      utf8.push_back(c);
+    } else {
+      utf8.push_back(static_cast<char>(0xC0 | code >> 6));
+      utf8.push_back(static_cast<char>(0x80 | (code & 0x3F)));
+    }
+  }
+  return utf8;
+}
+
 std::string cut_utf8(std::string_view text, std::size_t most_bytes) {
   std::string cut;
   while (!text.empty()) {

@@ -13,6 +13,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/utf8.h"
 #include "core/image/header_numbers.h"
 #include "core/image/image_refusal.h"
 #include "core/image/text_header.h"
@@ -158,10 +159,6 @@ class VtiReader {
     if (!extent_) refuse_image("its XML has a DataArray outside ImageData");
     if (outline_.arrays.size() == kMostArrays) refuse_image("it has more than 1024 arrays");
     ImageArray array;
-    const std::string* name = tag.find("Name");
-    array.name = name == nullptr || name->empty() ? "image" : *name;
-    if (array.name.size() > kMostNameBytes)
-      refuse_image("an array has a name of over 1024 bytes");
     const std::string& type = attribute(tag, "type");
     const auto* known =
         std::ranges::find_if(kVtkTypes, [&](const auto& t) { return t.first == type; });
@@ -177,10 +174,34 @@ class VtiReader {
     array.components = static_cast<std::uint32_t>(count);
     set_place(array);
     set_data(tag, array);
-    const bool taken = std::ranges::any_of(
-        outline_.arrays, [&](const ImageArray& other) { return other.name == array.name; });
-    if (taken) refuse_image(absl::StrCat("it has two arrays ", quoted_text(array.name)));
+    array.name = name_of(tag);
     outline_.arrays.push_back(std::move(array));
+    at_points_.push_back(*at_);
+  }
+
+  /// The array that was taken with that name, if there is one.
+  std::optional<std::size_t> find_taken(const std::string& name) const {
+    for (std::size_t i = 0; i < outline_.arrays.size(); ++i) {
+      if (outline_.arrays[i].name == name) return i;
+    }
+    return std::nullopt;
+  }
+
+  /// Its name, in UTF-8. Points and cells may each have an array of the same name: the second
+  /// one is told apart by where it is.
+  std::string name_of(const XmlTag& tag) const {
+    const std::string* stored = tag.find("Name");
+    std::string name = stored == nullptr || stored->empty() ? "image" : *stored;
+    if (name.size() > kMostNameBytes) refuse_image("an array has a name of over 1024 bytes");
+    const std::string_view where = *at_ ? "[points]" : "[cells]";
+    name = as_utf8(name, kMostNameBytes - where.size());
+    std::optional<std::size_t> taken = find_taken(name);
+    if (taken && at_points_[*taken] != *at_ && name.size() + where.size() <= kMostNameBytes) {
+      name += where;
+      taken = find_taken(name);
+    }
+    if (taken) refuse_image(absl::StrCat("it has two arrays ", quoted_text(name)));
+    return name;
   }
 
   /// Values at cells lie in their middles.
@@ -260,7 +281,8 @@ class VtiReader {
   std::optional<Extent> extent_;
   Triple origin_{};
   std::array<Triple, 3> steps_{};
-  std::optional<bool> at_;  // points, or else cells, whose arrays follow
+  std::optional<bool> at_;       // points, or else cells, whose arrays follow
+  std::vector<bool> at_points_;  // of the arrays so far
   std::optional<std::uint64_t> appended_;
   mutable std::vector<std::size_t> inline_;  // arrays whose data are between tags
 };

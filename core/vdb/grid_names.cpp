@@ -17,22 +17,6 @@ namespace {
 constexpr char kSuffixSeparator = '\x1e';
 constexpr std::size_t kSuffixBytes = 16;  // enough for "[n]"
 
-/// Latin-1's characters have the numbers that they have in Unicode.
-std::string utf8_of_latin1(std::string_view text) {
-  std::string utf8;
-  for (const char c : text) {
-    if (utf8.size() + 2 + kSuffixBytes > kMaxGridNameBytes) break;
-    const auto code = static_cast<std::uint8_t>(c);
-    if (code < 0x80) {
-      utf8.push_back(c);
-    } else {
-      utf8.push_back(static_cast<char>(0xC0 | code >> 6));
-      utf8.push_back(static_cast<char>(0x80 | (code & 0x3F)));
-    }
-  }
-  return utf8;
-}
-
 /// A stored name, taken apart.
 struct StoredName {
   std::string text;
@@ -43,8 +27,7 @@ struct StoredName {
 StoredName parse_name(const std::string& stored) {
   const std::size_t at = stored.find(kSuffixSeparator);
   StoredName name;
-  name.text = stored.substr(0, at);
-  if (!is_utf8(name.text)) name.text = utf8_of_latin1(name.text);
+  name.text = as_utf8(stored.substr(0, at), kMaxGridNameBytes - kSuffixBytes);
   name.is_numbered = at != std::string::npos;
   if (!name.is_numbered) return name;
   const std::string suffix = stored.substr(at + 1);

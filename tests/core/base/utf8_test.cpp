@@ -27,6 +27,12 @@ TEST(Utf8, IsNoOtherEncodingAndNoForgery) {
   for (const std::string& text : wrong) EXPECT_FALSE(is_utf8(text)) << text.size();
 }
 
+TEST(Utf8, IsMadeOfLatin1) {
+  EXPECT_EQ(as_utf8("f\xfcr", 10), "f\xc3\xbcr");
+  EXPECT_EQ(as_utf8("f\xfcr", 3), "f\xc3\xbc");
+  EXPECT_EQ(as_utf8("f\xc3\xbcr", 10), "f\xc3\xbcr");
+}
+
 TEST(Utf8, IsCutBetweenCharacters) {
   EXPECT_EQ(cut_utf8("плотность", 5), "пл");
   EXPECT_EQ(cut_utf8("plain", 100), "plain");

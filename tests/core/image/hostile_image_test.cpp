@@ -17,6 +17,7 @@
 namespace tet {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::string file_of(const std::string& name) {
@@ -98,6 +99,45 @@ TEST(HostileImage, IsRefusedOrReadWhateverItsBytesAre) {
       EXPECT_TRUE(labels.ok() || !labels.status().message().empty());
     }
   }
+}
+
+/// VTK's image data with an array of 0 to 7 at 2 x 2 x 2 points, and one of 9 at their cell.
+std::string vti_with(const std::string& at_points, const std::string& at_cells) {
+  const auto array = [](const std::string& name, const char* values) {
+    return "<DataArray type=\"Int16\" format=\"ascii\" Name=\"" + name + "\">" + values +
+           "</DataArray>";
+  };
+  return "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\"><ImageData WholeExtent="
+         "\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 1 0 1 0 1\">"
+         "<PointData>" +
+         array(at_points, "0 1 2 3 4 5 6 7") + "</PointData><CellData>" + array(at_cells, "9") +
+         "</CellData></Piece></ImageData></VTKFile>";
+}
+
+std::vector<std::string> listed_names(const std::string& bytes) {
+  const auto listed = list_image(source_of(bytes));
+  EXPECT_TRUE(listed.ok()) << listed.status();
+  std::vector<std::string> names;
+  for (const GridInfo& info : listed.ok() ? *listed : std::vector<GridInfo>()) {
+    names.push_back(info.name);
+  }
+  return names;
+}
+
+TEST(VtiNames, TellPointsAndCellsOfOneNameApart) {
+  const std::string bytes = vti_with("a", "a");
+  EXPECT_THAT(listed_names(bytes), ElementsAre("a", "a[cells]"));
+  const auto cells = load_image(source_of(bytes), "a[cells]", ImageUse::kField);
+  ASSERT_TRUE(cells.ok()) << cells.status();
+  EXPECT_EQ(cells->transform.to_world({0, 0, 0}), (WorldPoint{0.5, 0.5, 0.5}));
+  const auto points = load_image(source_of(bytes), "a", ImageUse::kField);
+  ASSERT_TRUE(points.ok()) << points.status();
+  EXPECT_EQ(points->transform.to_world({0, 0, 0}), (WorldPoint{0, 0, 0}));
+}
+
+TEST(VtiNames, AreUtf8) {
+  EXPECT_THAT(listed_names(vti_with("f\xfcr", "f\xc3\xbcr")),
+              ElementsAre("f\xc3\xbcr", "f\xc3\xbcr[cells]"));
 }
 
 /// A file of gzip that begins with these bytes as they are, and ends with a length.
