@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "proto/convert/status.h"
+#include "server/jobs/results/needed_meshes.h"
 #include "server/jobs/store/open_job_store.h"
 
 namespace tet {
@@ -48,7 +49,8 @@ absl::StatusOr<std::unique_ptr<JobsAtWork>> JobsAtWork::open(const Config& confi
   if (!jobs.ok()) return jobs.status();
   auto results = ResultStore::open(
       folder / kResults,
-      {config.result_bytes, config.disk_reserve_bytes, absl::Hours(config.job_keep_hours)});
+      {config.result_bytes, config.disk_reserve_bytes, absl::Hours(config.job_keep_hours)},
+      [store = jobs->get()] { return needed_results(*store); });
   if (!results.ok()) return results.status();
   if (use == StoreUse::kOwn) {
     // A database that does not answer, or a disk that is full, hinders no server: it looks

@@ -55,6 +55,7 @@ inline constexpr std::string_view kReasons[] = {
     "RANGE_BEYOND_MESH",
     "REQUEST_ID_REUSED",
     "RESULTS_FULL",
+    "RESULTS_HELD_BY_JOBS",
     "REVISION_COMPACTED",
     "REVISION_UNKNOWN",
     "SCOPE_MISSING",

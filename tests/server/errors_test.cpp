@@ -56,6 +56,7 @@ constexpr std::string_view kNotTold[] = {
     "RANGE_BEYOND_MESH",
     "REQUEST_ID_REUSED",
     "RESULTS_FULL",
+    "RESULTS_HELD_BY_JOBS",
     "REVISION_COMPACTED",
     "REVISION_UNKNOWN",
     "SCOPE_MISSING",

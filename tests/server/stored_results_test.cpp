@@ -1,5 +1,6 @@
 // What finished jobs leave behind: meshes that jobs and streams are served from, damaged ones
 // and those that are being read.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -27,6 +28,46 @@ class StoredResults : public testing::Test {
       if (file.is_regular_file() && file.file_size() > 10'000) chunks.push_back(file.path());
     }
     return chunks;
+  }
+
+  fs::path folder_of(const v1::Job& job) {
+    const std::string mesh = server_.get(job).header().mesh_id();
+    return fs::path(server_.folder.file("store/results/default/meshes")) / mesh.substr(0, 2) /
+           mesh;
+  }
+
+  /// Jobs that are planned and not finished: they were, and lost a chunk each. The server has
+  /// no workers from then on.
+  std::vector<v1::Job> unfinished(const std::vector<int>& radii) {
+    server_.start();
+    std::vector<v1::Job> jobs;
+    for (const int radius : radii) jobs.push_back(server_.create(server_.ball(radius)));
+    for (const v1::Job& job : jobs) {
+      EXPECT_EQ(server_.wait(job).state(), v1::JOB_STATE_SUCCEEDED);
+    }
+    server_.start({"--job-workers", "0"});
+    for (const v1::Job& job : jobs) {
+      std::vector<fs::path> chunks = stored_chunks();
+      std::erase_if(chunks, [folder = folder_of(job)](const fs::path& chunk) {
+        return chunk.parent_path() != folder;
+      });
+      fs::remove(*std::ranges::max_element(
+          chunks, {}, [](const fs::path& chunk) { return fs::file_size(chunk); }));
+      EXPECT_EQ(server_.retry(job).state(), v1::JOB_STATE_QUEUED);
+    }
+    return jobs;
+  }
+
+  std::uint64_t stored_bytes() const {
+    std::uint64_t bytes = 0;
+    for (const fs::path& chunk : stored_chunks()) bytes += fs::file_size(chunk);
+    return bytes;
+  }
+
+  /// One worker, and room for so many bytes of results.
+  void start_with_room(std::uint64_t bytes) {
+    server_.start({"--job-workers", "1", "--job-lease-seconds", "10", "--result-bytes",
+                   std::to_string(bytes)});
   }
 
   JobServer server_{TETSTREAMD_PATH};
@@ -131,6 +172,43 @@ TEST_F(StoredResults, EvictsNoMeshThatIsBeingRead) {
   ASSERT_TRUE(reader->Read(&event) && event.has_trailer());
   EXPECT_TRUE(reader->Finish().ok());
   EXPECT_EQ(server_.wait(small).state(), v1::JOB_STATE_SUCCEEDED);
+}
+
+/// A chunk has half a mebibyte.
+constexpr std::uint64_t kLessThanAChunk = 100'000, kTwoChunks = 1 << 20;
+
+TEST_F(StoredResults, BeginNoMeshThatFindsNoRoomBesideOneThatIsBeingMade) {
+  const v1::Job begun = unfinished({20}).at(0);
+  const v1::Job next = server_.create(server_.ball(19));
+  const std::uint64_t stored = stored_bytes();
+  start_with_room(stored + kLessThanAChunk);  // so that the first cannot go on, either
+  ASSERT_TRUE(eventually([&] { return server_.get(next).has_last_give_back(); }));
+  EXPECT_THAT(server_.get(next).last_give_back().message(),
+              testing::HasSubstr("other jobs are making"));
+  EXPECT_FALSE(server_.get(next).has_header());
+  start_with_room(stored + kTwoChunks);
+  ASSERT_EQ(server_.wait(next).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_EQ(server_.get(begun).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_FALSE(server_.result(next).empty());
+  EXPECT_TRUE(status_.ok()) << status_.error_message();
+}
+
+TEST_F(StoredResults, EndTheYoungerOfTwoJobsThatWaitForEachOthersRoom) {
+  const std::vector<v1::Job> jobs = unfinished({20, 19});
+  const v1::Job &older = jobs[0], &younger = jobs[1];
+  start_with_room(stored_bytes() + kLessThanAChunk);
+  const v1::Job ended = server_.wait(younger);
+  EXPECT_EQ(ended.state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(ended.error().message(), testing::HasSubstr("retry the job when they are"));
+  EXPECT_THAT(ended.error().details(0).value(), testing::HasSubstr("RESULTS_HELD_BY_JOBS"));
+  ASSERT_EQ(server_.wait(older).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_FALSE(server_.result(older).empty());
+  EXPECT_TRUE(status_.ok()) << status_.error_message();
+  // Which it can be now.
+  EXPECT_NE(server_.retry(younger).state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(server_.wait(younger).state(), v1::JOB_STATE_SUCCEEDED);
+  EXPECT_FALSE(server_.result(younger).empty());
+  EXPECT_TRUE(status_.ok()) << status_.error_message();
 }
 
 }  // namespace

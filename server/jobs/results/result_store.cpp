@@ -10,6 +10,7 @@
 #include <absl/time/time.h>
 
 #include "proto/convert/status.h"
+#include "server/jobs/results/evict_meshes.h"
 #include "server/jobs/results/whole_file.h"
 #include "server/ops/disk.h"
 #include "server/ops/logging.h"
@@ -20,18 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr char kEvicted[] = ".evicted";
 constexpr char kClock[] = ".clock";
 // Longer than anybody takes to write a chunk, or to make the first after a plan.
 constexpr absl::Duration kUnfinishedFor = absl::Hours(1);
 constexpr std::size_t kMeshIdDigits = 64;
 constexpr std::size_t kProbeBytes = 4096;
-
-struct FoundMesh {
-  fs::path path;
-  std::uint64_t bytes = 0;
-  absl::Time last_use;
-};
 
 /// There will be once others have made room.
 absl::Status no_room_now(const std::string& message) {
@@ -72,7 +66,7 @@ bool is_of_no_use(const fs::path& file, absl::Time now, absl::Duration keep_dama
 /// Clears away what is of no use. Files that go while this looks are not counted: whoever
 /// removes them is another process.
 FoundMesh look_at(const fs::path& folder, absl::Time now, absl::Duration keep_damaged) {
-  FoundMesh mesh{folder, 0, time_of(folder / "lock")};
+  FoundMesh mesh{{}, folder, 0, time_of(folder / "lock")};
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
@@ -110,6 +104,7 @@ std::vector<FoundMesh> find_meshes(const fs::path& root, absl::Duration keep_dam
           fs::remove_all(folder, ignored);
         } else {
           meshes.push_back(look_at(folder, now, keep_damaged));
+          meshes.back().key = {space.filename().string(), folder.filename().string()};
         }
       }
     }
@@ -120,8 +115,9 @@ std::vector<FoundMesh> find_meshes(const fs::path& root, absl::Duration keep_dam
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<ResultStore>> ResultStore::open(const fs::path& root,
-                                                               const Limits& limits) {
-  std::unique_ptr<ResultStore> store(new ResultStore(root, limits));
+                                                               const Limits& limits,
+                                                               Needed needed) {
+  std::unique_ptr<ResultStore> store(new ResultStore(root, limits, std::move(needed)));
   store->sweep();
   return store;
 }
@@ -207,8 +203,10 @@ absl::StatusOr<std::unique_ptr<ResultStore::Room>> ResultStore::reserve(std::uin
   }
   const std::uint64_t total = bytes_;
   if (total > budget || bytes > budget - total) {
-    return no_room_now(absl::StrCat(
-        "no room for ", bytes, " bytes beside the results in use, of the budget of ", budget));
+    return no_room_now(
+        absl::StrCat("no room for ", bytes,
+                     " bytes beside the results in use and those that unfinished jobs ",
+                     "need, of the budget of ", budget));
   }
   auto writing = turn->join_writers();
   if (!writing.ok()) return writing.status();
@@ -309,30 +307,13 @@ absl::Status ResultStore::sweep_in(ResultLedger::Turn& turn,
   std::uint64_t bytes = 0;
   for (const FoundMesh& mesh : meshes) bytes += mesh.bytes;
   if (!*quiet) bytes = std::max(bytes, turn.total().value_or(0));
-  std::uint64_t evicted = 0, freed = 0;
-  for (auto it = meshes.begin(); it != meshes.end(); ++it) {
-    if (bytes <= budget_bytes && freed >= free_bytes) break;
-    if (!evict(it->path)) continue;
-    bytes -= std::min(bytes, it->bytes);
-    freed += it->bytes;
-    ++evicted;
-  }
-  evicted_ += evicted;
-  bytes_ = bytes;
-  meshes_ = meshes.size() - evicted;
-  return turn.set(bytes);
-}
-
-/// Under another name first: a folder of its own name is whole. False if somebody uses it.
-bool ResultStore::evict(const fs::path& folder) {
-  const auto lock = FolderLock::take(folder, FileLock::kAlone, false);
-  if (!lock.ok()) return false;
-  const fs::path away = absl::StrCat(folder.string(), kEvicted);
-  std::error_code error;
-  fs::rename(folder, away, error);
-  if (error) return false;
-  fs::remove_all(away, error);
-  return true;
+  const std::uint64_t surplus = bytes - std::min(bytes, budget_bytes);
+  const Evicted evicted = evict_meshes(meshes, std::max(surplus, free_bytes), needed_);
+  evicted_ += evicted.meshes;
+  bytes_ = bytes - std::min(bytes, evicted.bytes);
+  meshes_ = meshes.size() - evicted.meshes;
+  const absl::Status set = turn.set(bytes_);
+  return evicted.status.ok() ? set : evicted.status;
 }
 
 ResultStats ResultStore::stats() const {

@@ -4,9 +4,13 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -21,6 +25,7 @@ namespace tet {
 struct ResultKey {
   std::string space;
   std::string mesh_id;
+  auto operator<=>(const ResultKey&) const = default;
 };
 
 struct ResultStats {
@@ -41,9 +46,14 @@ class ResultStore {
     absl::Duration keep_damaged = absl::InfiniteDuration();  ///< chunks that were set aside
   };
 
+  /// Meshes that must stay though nobody uses them, by whoever knows: asked when room is short.
+  /// Where it fails nothing is evicted, and whoever needs room hears its error.
+  using Needed = std::function<absl::StatusOr<std::set<ResultKey>>()>;
+
   /// Makes no folder before anything is stored: a folder where nothing is mounted stays empty.
   static absl::StatusOr<std::unique_ptr<ResultStore>> open(const std::filesystem::path& root,
-                                                           const Limits& limits);
+                                                           const Limits& limits,
+                                                           Needed needed = nullptr);
 
   /// Opens a mesh's folder to add to it: it is not evicted while anyone holds it.
   absl::StatusOr<std::shared_ptr<MeshFolder>> make(const ResultKey& key);
@@ -52,8 +62,9 @@ class ResultStore {
 
   /// Adds a chunk to a folder of this store, unless it has that already, and says the digest.
   /// Room is made before: what was used least recently is evicted if need be. Errors:
-  /// kResourceExhausted with reason RESULTS_FULL (all of the rest is in use) or DISK_FULL (what
-  /// is free of the disk is to stay free), those of ResultLedger, and the disk's.
+  /// kResourceExhausted with reason RESULTS_FULL (all of the rest is in use, or needed) or
+  /// DISK_FULL (what is free of the disk is to stay free), those of ResultLedger and of
+  /// `Needed`, and the disk's.
   absl::StatusOr<ChunkDigest> put_chunk(MeshFolder& folder, const ChunkMessage& chunk);
 
   /// Whether a mesh of so many bytes could be stored if every other went. Errors:
@@ -76,8 +87,8 @@ class ResultStore {
   std::uint64_t budget_bytes() const noexcept { return limits_.budget_bytes; }
 
  private:
-  ResultStore(std::filesystem::path root, const Limits& limits)
-      : root_(std::move(root)), limits_(limits), ledger_(root_) {}
+  ResultStore(std::filesystem::path root, const Limits& limits, Needed needed)
+      : root_(std::move(root)), limits_(limits), needed_(std::move(needed)), ledger_(root_) {}
 
   class Room;
   absl::StatusOr<std::unique_ptr<Room>> reserve(std::uint64_t bytes);
@@ -90,10 +101,10 @@ class ResultStore {
                         std::uint64_t free_bytes = 0);
   absl::Status make_room_on_disk(std::uint64_t bytes);
   void clear_plans(const std::string& space);
-  bool evict(const std::filesystem::path& folder);
 
   const std::filesystem::path root_;
   const Limits limits_;
+  const Needed needed_;
   const ResultLedger ledger_;
   std::atomic<std::uint64_t> bytes_{0};  ///< of all processes, when this one looked last
   std::atomic<std::uint64_t> meshes_{0}, evicted_{0};

@@ -25,23 +25,27 @@ absl::StatusOr<Job> JobContext::find(const std::string& space, const std::string
   return job;
 }
 
-absl::StatusOr<std::vector<std::int64_t>> JobContext::lost_chunks(const Job& job) const {
-  std::vector<std::int64_t> lost;
-  if (job.chunk_count == 0) return lost;
+absl::StatusOr<std::shared_ptr<MeshFolder>> JobContext::mesh_of(const Job& job) const {
+  if (job.chunk_count == 0) return nullptr;
   const auto plan = plan_of(job);
   if (!plan.ok()) return plan.status();
   if (plan->header().chunk_count() != job.chunk_count) {
     return store_broken(absl::StrCat("job ", job.id, " has ", job.chunk_count,
                                      " chunks, and its plan ", plan->header().chunk_count()));
   }
-  const auto folder = results.make({job.space, plan->header().mesh_id()});
-  if (!folder.ok()) return folder.status();
+  return results.make({job.space, plan->header().mesh_id()});
+}
+
+absl::StatusOr<std::vector<std::int64_t>> JobContext::lost_chunks(
+    const Job& job, const MeshFolder* folder) const {
+  std::vector<std::int64_t> lost;
+  if (folder == nullptr) return lost;
   for (std::int64_t first = 0; first < job.chunk_count; first += kPage) {
     const auto digests =
         jobs.chunk_digests(job.id, {first, std::min(first + kPage, job.chunk_count)});
     if (!digests.ok()) return digests.status();
     for (const auto& [chunk, digest] : *digests) {
-      if (!(*folder)->has_chunk(digest)) lost.push_back(chunk);
+      if (!folder->has_chunk(digest)) lost.push_back(chunk);
     }
   }
   return lost;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,11 @@ struct JobContext {
   /// kNotFound (JOB_NOT_FOUND), and the store's.
   absl::StatusOr<Job> find(const std::string& space, const std::string& name) const;
 
-  /// Chunks that are done, but are not stored any more.
-  absl::StatusOr<std::vector<std::int64_t>> lost_chunks(const Job& job) const;
+  /// The folder of a job's mesh, held; null before it is counted.
+  absl::StatusOr<std::shared_ptr<MeshFolder>> mesh_of(const Job& job) const;
+  /// Chunks that are done, but are not stored in the folder of the job's mesh any more.
+  absl::StatusOr<std::vector<std::int64_t>> lost_chunks(const Job& job,
+                                                        const MeshFolder* folder) const;
 
   MeshEngine& engine;
   JobStore& jobs;

@@ -75,7 +75,10 @@ absl::Status create(JobContext& shared,
 
 /// Needs the grids only if there is something to be made.
 absl::Status retry(JobContext& shared, GridStore& grids, const Job& job, v1::Job& response) {
-  const auto lost = shared.lost_chunks(job);
+  // Held until the store knows that the job needs what is left of it.
+  const auto mesh = shared.mesh_of(job);
+  if (!mesh.ok()) return mesh.status();
+  const auto lost = shared.lost_chunks(job, mesh->get());
   if (!lost.ok()) return lost.status();
   const auto spec = spec_of(job);
   if (!spec.ok()) return spec.status();

@@ -69,6 +69,13 @@ struct ClaimShards {
   std::set<std::string> not_of = {};  ///< namespaces whose shards are left to others
 };
 
+/// What is kept of an unfinished job's plan, while its mesh is being made or waits to be.
+struct PlannedJob {
+  std::string id, space;
+  std::string header;    ///< as `Plan` brought it
+  absl::Status trouble;  ///< why a worker gave a shard of it back last
+};
+
 struct ListWorkers {
   std::string space = {};        ///< whose shards are named
   std::int64_t page_size = 100;  ///< 1 to 1000
@@ -229,6 +236,8 @@ class JobStore {
   virtual absl::Time now() = 0;
   /// OK if something can be written now.
   virtual absl::Status probe() = 0;
+  /// The jobs that are not finished, of which the count phase is over.
+  virtual absl::StatusOr<std::vector<PlannedJob>> planned() = 0;
   /// What the jobs read that are not finished.
   virtual absl::StatusOr<std::set<JobInput>> inputs() = 0;
 };

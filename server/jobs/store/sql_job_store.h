@@ -84,6 +84,7 @@ class SqlJobStore final : public JobStore {
   absl::StatusOr<absl::Time> ask_time() override;
   absl::Time now() override { return database_->clock().now(); }
   absl::Status probe() override;
+  absl::StatusOr<std::vector<PlannedJob>> planned() override;
   absl::StatusOr<std::set<JobInput>> inputs() override;
 
  private:

@@ -227,6 +227,22 @@ absl::Status SqlJobStore::probe() {
   return written;
 }
 
+absl::StatusOr<std::vector<PlannedJob>> SqlJobStore::planned() {
+  std::vector<PlannedJob> jobs;
+  const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    jobs.clear();
+    const auto found =
+        t.run("SELECT id, space, header, trouble FROM jobs WHERE state <= 2 AND phase = $1",
+              {number_of(Phase::kMesh)});
+    for (const SqlRow& row : found.rows) {
+      jobs.push_back({row.text(0), row.text(1), row.blob(2), decode_status(row.blob(3))});
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return jobs;
+}
+
 absl::StatusOr<std::set<JobInput>> SqlJobStore::inputs() {
   std::set<JobInput> inputs;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {

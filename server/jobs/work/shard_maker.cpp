@@ -9,6 +9,7 @@
 
 #include "proto/convert/mesh_header.h"
 #include "proto/convert/status.h"
+#include "server/jobs/results/needed_meshes.h"
 #include "server/jobs/results/stored_mesh.h"
 #include "server/jobs/store/store_errors.h"
 #include "server/rpc/background.h"
@@ -24,6 +25,8 @@ struct ShardMaker::Shard {
 };
 
 namespace {
+
+constexpr char kHeldByJobs[] = "RESULTS_HELD_BY_JOBS";
 
 absl::Status other_mesh(const std::string& planned, const std::string& found) {
   return with_reason(absl::AbortedError(absl::StrCat("the job's mesh is ", planned,
@@ -61,7 +64,7 @@ bool ShardMaker::is_worth_another_try(const absl::Status& error) {
     case absl::StatusCode::kUnknown:
       return true;
     case absl::StatusCode::kResourceExhausted:
-      return reason_of(error) != "LIMIT_EXCEEDED";
+      return reason_of(error) != "LIMIT_EXCEEDED" && reason_of(error) != kHeldByJobs;
     default:
       return false;
   }
@@ -115,9 +118,7 @@ absl::Status ShardMaker::plan(const Shard& shard) {
       return commit_plan(shard, plan);
     }
     // A job that waits for room is not counted each time that it looks.
-    if (const auto header = from_proto(plan.header()); header.ok()) {
-      if (auto fits = check_size(*header); !fits.ok()) return fits;
-    }
+    if (auto fits = check_room(shard, plan); !fits.ok()) return fits;
   }
   if (shard.plan.survey_block_bricks() == 0) {
     const auto blocks = counter_.blocks(shard.order, block_bricks_);
@@ -130,10 +131,11 @@ absl::Status ShardMaker::plan(const Shard& shard) {
   plan.set_survey_block_bricks(shard.plan.survey_block_bricks());
   const absl::Status kept =
       results_.put_plan({shard.job.space, planned->mesh_id}, name, plan.SerializeAsString());
-  const absl::Status fits = check_size(planned->plan->header());
+  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
+  const absl::Status fits =
+      plan.cached() ? check_size(planned->plan->header()) : check_room(shard, plan);
   if (!fits.ok()) return fits;
   if (!kept.ok()) return kept;
-  plan.set_cached(!shard.spec.skip_cache() && is_stored(shard.job.space, plan));
   return commit_plan(shard, plan);
 }
 
@@ -185,6 +187,47 @@ absl::Status ShardMaker::check_size(const MeshHeader& header) const {
   return results_.check_fits(ChunkSizes(header, whole_of(header)).total());
 }
 
+/// Whether the mesh can be stored, and beside those that other unfinished jobs have begun or
+/// are to begin. If it were begun all the same, each could have what the other waits for.
+absl::Status ShardMaker::check_room(const Shard& shard, const stored::JobPlan& plan) const {
+  const auto header = from_proto(plan.header());
+  if (!header.ok()) return absl::OkStatus();  // it is counted anew
+  if (auto fits = check_size(*header); !fits.ok()) return fits;
+  const auto needed = needed_meshes(jobs_);
+  if (!needed.ok()) return needed.status();
+  const ResultKey key{shard.job.space, plan.header().mesh_id()};
+  const std::uint64_t own = stored_bytes(*header), all = bytes_beside(*needed, key, own);
+  if (all == own || results_.check_fits(all).ok()) return absl::OkStatus();
+  return with_reason(absl::ResourceExhaustedError(
+                         absl::StrCat("no room for the mesh's ", own, " bytes beside the ",
+                                      all - own, " of meshes that other jobs are making")),
+                     "RESULTS_FULL");
+}
+
+/// Jobs that were planned when there was more room, or at the same moment, may hold what each
+/// other waits for. Where another has waited, too, the youngest ends, so that what it made may
+/// go; else `why` stands, and it waits.
+absl::Status ShardMaker::give_way(const Shard& shard, const absl::Status& why) const {
+  if (!is_want_of_room(why)) return why;
+  const auto header = from_proto(shard.plan.header());
+  const auto needed = needed_meshes(jobs_);
+  if (!header.ok() || !needed.ok() || !check_size(*header).ok()) return why;
+  bool is_youngest = true, another_waits = false;
+  for (const NeededMesh& mesh : *needed) {
+    is_youngest = is_youngest && mesh.job <= shard.job.id;
+    another_waits = another_waits || (mesh.awaits_room && mesh.job != shard.job.id);
+  }
+  const ResultKey key{shard.job.space, shard.plan.header().mesh_id()};
+  const std::uint64_t own = stored_bytes(*header), all = bytes_beside(*needed, key, own);
+  if (!is_youngest || !another_waits || results_.check_fits(all).ok()) return why;
+  return with_reason(absl::ResourceExhaustedError(absl::StrCat(
+                         "no room for the mesh's ", own, " bytes beside the ", all - own,
+                         " of meshes that older jobs are making, which wait for room, too: "
+                         "retry the job when ",
+                         "they are finished")),
+                     kHeldByJobs);
+}
+
 bool ShardMaker::is_stored(const std::string& space, const stored::JobPlan& plan) const {
   return StoredMesh::find(results_, space, plan) != nullptr;
 }
@@ -212,7 +255,7 @@ absl::Status ShardMaker::mesh(const Shard& shard) {
     return commit(shard, [&] { return jobs_.plan_anew(shard.lease.id); });
   }
   const auto made = make_chunks(shard, *planned, **folder);
-  if (!made.ok()) return made.status();
+  if (!made.ok()) return give_way(shard, made.status());
   const auto before = (*folder)->find_shard(chunks);
   if (before && *before != *made) return alarm(chunks, mesh_id);
   if (auto kept = (*folder)->put_shard(chunks, *made); !kept.ok()) return kept;

@@ -66,6 +66,8 @@ class ShardMaker {
   absl::StatusOr<std::shared_ptr<SharedSurvey>> survey_of(const Shard& shard);
   absl::StatusOr<PlannedMesh> count(const Shard& shard);
   absl::Status check_size(const MeshHeader& header) const;
+  absl::Status check_room(const Shard& shard, const stored::JobPlan& plan) const;
+  absl::Status give_way(const Shard& shard, const absl::Status& why) const;
   absl::StatusOr<std::vector<ChunkDigest>> make_chunks(const Shard& shard,
                                                        const PlannedMesh& planned,
                                                        MeshFolder& folder);

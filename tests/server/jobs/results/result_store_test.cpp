@@ -5,6 +5,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -140,6 +141,53 @@ TEST_F(ResultStoreTest, EvictsWhatWasUsedLeastAndNothingInUse) {
   EXPECT_TRUE(store->find({"default", kOther}).ok());
   const auto full = store->put_chunk(*used, chunk_of(std::string(kBudget, 'z')));
   EXPECT_EQ(reason_of(full.status()), "RESULTS_FULL");
+}
+
+TEST_F(ResultStoreTest, EvictsNothingThatIsNeededThoughNobodyUsesIt) {
+  constexpr std::uint64_t kBudget = 10'000;
+  absl::StatusOr<std::set<ResultKey>> needed = std::set<ResultKey>{{"default", kMesh}};
+  const auto store =
+      ResultStore::open(folder_.path(), {kBudget, 0}, [&] { return needed; }).value();
+  const ChunkMessage large = chunk_of(std::string(4000, 'x'));
+  ASSERT_TRUE(store->put_chunk(*use(*store, kMesh), large).ok());
+  ASSERT_TRUE(store->put_chunk(*use(*store, "cc00"), chunk_of("small")).ok());
+  const auto put = [&] {
+    return store->put_chunk(*use(*store, kOther), chunk_of(std::string(5000, 'y'))).status();
+  };
+  EXPECT_EQ(reason_of(put()), "RESULTS_FULL");
+  EXPECT_TRUE(store->find({"default", kMesh}).ok());
+  // What nobody needs went, and would have if it had been enough.
+  EXPECT_TRUE(absl::IsNotFound(store->find({"default", "cc00"}).status()));
+  needed = absl::UnavailableError("gone");
+  EXPECT_EQ(put(), absl::UnavailableError("gone"));
+  EXPECT_TRUE(store->find({"default", kMesh}).ok());
+  needed = std::set<ResultKey>();
+  EXPECT_EQ(put(), absl::OkStatus());
+  EXPECT_TRUE(absl::IsNotFound(store->find({"default", kMesh}).status()));
+}
+
+/// As a worker that makes a shard just then: it waits for who evicts, and begins anew.
+TEST_F(ResultStoreTest, AsksWhatIsNeededWhileNobodyCanMakeAnyOfIt) {
+  constexpr std::uint64_t kBudget = 10'000;
+  std::atomic<bool> is_made{false};
+  std::unique_ptr<ResultStore> store;
+  std::jthread maker;
+  const auto ask = [&]() -> absl::StatusOr<std::set<ResultKey>> {
+    maker = std::jthread([&] {
+      use(*store, kMesh);
+      is_made = true;
+    });
+    const auto lock =
+        FolderLock::take(folder_.path() / "default/meshes/aa" / kMesh, FileLock::kAlone, false);
+    EXPECT_TRUE(absl::IsAborted(lock.status())) << lock.status();
+    EXPECT_FALSE(is_made);
+    return std::set<ResultKey>();
+  };
+  store = ResultStore::open(folder_.path(), {kBudget, 0}, ask).value();
+  ASSERT_TRUE(store->put_chunk(*use(*store, kMesh), chunk_of(std::string(4000, 'x'))).ok());
+  EXPECT_TRUE(store->put_chunk(*use(*store, kOther), chunk_of(std::string(5000, 'y'))).ok());
+  maker.join();
+  EXPECT_TRUE(is_made);
 }
 
 TEST_F(ResultStoreTest, KeepsOneAccountOfWhatAllProcessesStore) {

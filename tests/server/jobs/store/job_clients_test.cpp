@@ -274,6 +274,27 @@ TEST_P(JobStoreTest, KnowsWhatJobsReadUntilTheyAreFinished) {
   EXPECT_THAT(store_->inputs().value(), UnorderedElementsAre(ana, bob));
 }
 
+TEST_P(JobStoreTest, KnowsThePlansOfJobsUntilTheyAreFinished) {
+  create_planned(1, wanted("eve"));
+  EXPECT_EQ(complete(claim_one()), absl::OkStatus());
+  EXPECT_THAT(store_->planned().value(), IsEmpty());
+  const Job job = create_planned(2);
+  create();
+  const std::vector<PlannedJob> planned = store_->planned().value();
+  ASSERT_EQ(planned.size(), 1U);
+  EXPECT_EQ(planned[0].id, job.id);
+  EXPECT_EQ(planned[0].space, "ana");
+  EXPECT_EQ(planned[0].header, plan_of(2).header);
+  EXPECT_EQ(planned[0].trouble, absl::OkStatus());
+  const absl::Status why = with_reason(absl::ResourceExhaustedError("no room"), "RESULTS_FULL");
+  EXPECT_EQ(store_->release(claim_one().id, {why}), absl::OkStatus());
+  EXPECT_EQ(reason_of(store_->planned().value().at(0).trouble), "RESULTS_FULL");
+  store_->cancel(job.id).value();
+  EXPECT_THAT(store_->planned().value(), IsEmpty());
+  store_->retry(job.id).value();
+  EXPECT_EQ(store_->planned().value().size(), 1U);
+}
+
 TEST_P(JobStoreTest, KnowsEachOfSeveralFilesThatAJobReads) {
   NewJob asked = wanted("ana");
   asked.input = "a b";

@@ -1,0 +1,41 @@
+// What unfinished jobs need of the results: meshes that they have made in part, or are to make.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/mesh/tet_mesh.h"
+#include "server/jobs/results/result_store.h"
+#include "server/jobs/store/job_store.h"
+
+namespace tet {
+
+struct NeededMesh {
+  std::string job;
+  ResultKey key;
+  std::uint64_t bytes = 0;   ///< of the files of all its chunks, or a little more
+  bool awaits_room = false;  ///< a worker gave a shard of it back last since there was no room
+};
+
+/// The meshes of all unfinished jobs that are counted. Errors: the store's.
+absl::StatusOr<std::vector<NeededMesh>> needed_meshes(JobStore& jobs);
+
+/// Their keys.
+absl::StatusOr<std::set<ResultKey>> needed_results(JobStore& jobs);
+
+/// What the files of all chunks take, or a little more.
+std::uint64_t stored_bytes(const MeshHeader& header);
+
+/// The bytes of `meshes` together with one more, each counted once.
+std::uint64_t bytes_beside(const std::vector<NeededMesh>& meshes,
+                           const ResultKey& key,
+                           std::uint64_t bytes);
+
+/// Whether a status says that results find no room beside others.
+bool is_want_of_room(const absl::Status& status);
+
+}  // namespace tet
