@@ -130,6 +130,7 @@ std::vector<MemoryShare> memory_shares(const Config& config) {
           {"counting them", counting_bytes(config)},
           {"what is sent (send_bytes)", config.send_bytes + kIdleBlockBytes},
           {"what is received (receive_bytes)", config.receive_bytes},
+          {"points that are sampled (half as much)", point_bytes(config)},
           {"the log (log_buffer_bytes)", config.log_buffer_bytes}};
 }
 

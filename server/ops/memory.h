@@ -1,6 +1,7 @@
 // How much memory a process may take, and what of it each budget has.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -24,6 +25,11 @@ inline constexpr std::uint64_t kIdleBlockBytes = std::uint64_t{32} << 20;
 /// Grids that sessions have changed may take this much together, beside those of files.
 constexpr std::uint64_t session_bytes(const Config& config) {
   return config.resident_bytes / 2;
+}
+
+/// Points that calls sample may take this much together: what one message may bring, at least.
+constexpr std::uint64_t point_bytes(const Config& config) {
+  return std::max(config.receive_bytes / 2, config.max_request_bytes);
 }
 
 /// Returns what the machine has, or what the control groups that this process is in leave it,

@@ -28,7 +28,7 @@ absl::StatusOr<BrickCoord> brick_of(const v1::LeafUpdate& leaf) {
 
 }  // namespace
 
-FrameLeaves::FrameLeaves(const std::string& before, std::shared_ptr<GridCharge> charge)
+FrameLeaves::FrameLeaves(const std::string& before, std::shared_ptr<CallCharge> charge)
     : charge_(std::move(charge)) {
   digest_.add(before);
 }

@@ -10,7 +10,7 @@
 
 #include "core/volume/replace_leaves.h"
 #include "proto/wire/sha256.h"
-#include "server/streams/grid_charge.h"
+#include "server/streams/call_charge.h"
 #include "tetstream/v1/meshes.pb.h"
 
 namespace tet {
@@ -23,10 +23,10 @@ class FrameLeaves {
  public:
   /// `before` is the digest of the grid that they change. What they take is charged to
   /// `charge`.
-  FrameLeaves(const std::string& before, std::shared_ptr<GridCharge> charge);
+  FrameLeaves(const std::string& before, std::shared_ptr<CallCharge> charge);
 
   /// Takes those of one message. Errors: kInvalidArgument (INVALID_FIELD: what is no leaf, by
-  /// its number within the frame), those of GridCharge::add.
+  /// its number within the frame), those of CallCharge::add.
   absl::Status add(const v1::RemeshFrame& message);
 
   const std::vector<LeafValues>& leaves() const noexcept { return leaves_; }
@@ -37,7 +37,7 @@ class FrameLeaves {
  private:
   absl::Status add_leaf(const v1::LeafUpdate& leaf, float*& to);
 
-  const std::shared_ptr<GridCharge> charge_;
+  const std::shared_ptr<CallCharge> charge_;
   std::vector<std::vector<float>> values_;  ///< of each message
   std::vector<LeafValues> leaves_;
   Sha256 digest_;

@@ -35,6 +35,7 @@ struct Activity {
   std::atomic<std::int64_t> shared_streams{0};    ///< whose chunks were in shared memory
   /// Memory of grids that sessions have changed.
   std::atomic<std::uint64_t> changed_grid_bytes{0};
+  std::atomic<std::uint64_t> point_bytes{0};  ///< of points that are sampled
 };
 
 struct MeshEngine {

@@ -130,6 +130,8 @@ absl::Status RemeshStream::take_start(const v1::MeshRequest& request) {
   auto order = parse_mesh_request(request);
   if (!order.ok()) return order.status();
   next_ = {request, *std::move(order)};
+  // What no field is known for says nothing, and would be kept as long as the session.
+  next_.request.DiscardUnknownFields();
   next_.order.space = call_.space();
   next_.order.is_frame = true;
   if (!next_.order.digest.empty()) note_from_task("grid", next_.order.digest);
@@ -167,6 +169,7 @@ absl::Status RemeshStream::take_scene(const v1::Scene& scene) {
     return invalid_field("scene is set, but the session began with a grid");
   }
   *next_.request.mutable_scene() = scene;
+  next_.request.mutable_scene()->DiscardUnknownFields();
   auto order = parse_mesh_request(next_.request);
   if (!order.ok()) return order.status();
   order->space = next_.order.space;
@@ -175,14 +178,19 @@ absl::Status RemeshStream::take_scene(const v1::Scene& scene) {
   return absl::OkStatus();
 }
 
+/// Nothing yet of the memory for changed grids.
+std::shared_ptr<CallCharge> RemeshStream::no_charge() {
+  return std::make_shared<CallCharge>("bytes of sessions' changed grids",
+                                      engine_.activity.changed_grid_bytes,
+                                      session_bytes(engine_.config));
+}
+
 absl::Status RemeshStream::gather_leaves(const v1::RemeshFrame& message) {
   if (shown_.order.is_scene()) {
     return invalid_field("leaves are set, but the session began with a scene");
   }
   if (!incoming_) {
-    incoming_.emplace(shown_.order.digest,
-                      std::make_shared<GridCharge>(engine_.activity.changed_grid_bytes,
-                                                   session_bytes(engine_.config)));
+    incoming_.emplace(shown_.order.digest, no_charge());
   }
   return incoming_->add(message);
 }
@@ -190,8 +198,7 @@ absl::Status RemeshStream::gather_leaves(const v1::RemeshFrame& message) {
 /// The grid becomes that with the leaves that came.
 absl::Status RemeshStream::replace() {
   const Volume& before = *volume_of(source_.plan->shape());
-  auto charge = std::make_shared<GridCharge>(engine_.activity.changed_grid_bytes,
-                                             session_bytes(engine_.config));
+  auto charge = no_charge();
   const absl::Status charged = charge->add(most_bytes_with(before, incoming_->leaves()));
   if (!charged.ok()) return charged;
   auto changed = replace_leaves(before, incoming_->leaves());
@@ -216,7 +223,7 @@ absl::Status RemeshStream::replace() {
 
 /// The grid, whose bytes count for as long as anyone has it.
 std::shared_ptr<const Volume> RemeshStream::hold(Volume volume,
-                                                 std::shared_ptr<GridCharge> charge) {
+                                                 std::shared_ptr<CallCharge> charge) {
   charge->shrink_to(volume.size_bytes());
   return {new Volume(std::move(volume)),
           [charge = std::move(charge)](const Volume* gone) { delete gone; }};

@@ -10,9 +10,9 @@
 
 #include "core/plan/brick/kept_bricks.h"
 #include "server/meshing/shared_chunk.h"
+#include "server/streams/call_charge.h"
 #include "server/streams/chunk_stream.h"
 #include "server/streams/frame_leaves.h"
-#include "server/streams/grid_charge.h"
 
 namespace tet {
 
@@ -59,9 +59,10 @@ class RemeshStream final : public ChunkStream {
   void take_part(const v1::RemeshFrame& part);
   absl::Status take_frame(const v1::RemeshFrame& frame);
   absl::Status take_scene(const v1::Scene& scene);
+  std::shared_ptr<CallCharge> no_charge();
   absl::Status gather_leaves(const v1::RemeshFrame& message);
   absl::Status replace();
-  std::shared_ptr<const Volume> hold(Volume volume, std::shared_ptr<GridCharge> charge);
+  std::shared_ptr<const Volume> hold(Volume volume, std::shared_ptr<CallCharge> charge);
   void begin_frame();
   void planned(absl::StatusOr<PlannedMesh> planned);
 

@@ -9,6 +9,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/ops/guard.h"
+#include "server/ops/memory.h"
 #include "server/rpc/deadline.h"
 #include "server/rpc/explain.h"
 
@@ -55,7 +56,10 @@ class SampleStream::Side final : public Reactor {
 SampleStream::SampleStream(MeshEngine& engine, grpc::CallbackServerContext& context)
     : StreamWriter(engine.calls, context, "SamplePoints"),
       engine_(engine),
-      watch_(std::make_shared<PlanningWatch>(deadline_of(context))) {}
+      watch_(std::make_shared<PlanningWatch>(deadline_of(context))),
+      charge_("bytes of points that are sampled",
+              engine.activity.point_bytes,
+              point_bytes(engine.config)) {}
 
 SampleStream::Reactor* SampleStream::start(MeshEngine& engine,
                                            grpc::CallbackServerContext& context) {
@@ -152,7 +156,7 @@ absl::Status SampleStream::take_start(const v1::MeshRequest& request) {
 }
 
 absl::Status SampleStream::take_points(const v1::PointBatch& batch) {
-  first_point_ += points_.size();
+  if (auto status = charge_.add(batch.positions().size()); !status.ok()) return status;
   auto points = from_proto(batch, first_point_);
   if (!points.ok()) return points.status();
   points_ = *std::move(points);
@@ -194,8 +198,16 @@ void SampleStream::give_turn_back() {
   last.swap(ticket_);
 }
 
+/// A client that thinks about its next points takes no memory for those before.
+void SampleStream::free_points() {
+  first_point_ += points_.size();
+  points_ = {};
+  charge_.shrink_to(0);
+}
+
 /// All of a message was answered.
 void SampleStream::message_done() {
+  free_points();
   {
     const std::lock_guard lock(mutex_);
     is_working_ = false;

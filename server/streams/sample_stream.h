@@ -16,6 +16,7 @@
 #include "core/plan/sample_points.h"
 #include "proto/convert/request.h"
 #include "server/rpc/stream_writer.h"
+#include "server/streams/call_charge.h"
 #include "server/streams/mesh_engine.h"
 
 namespace tet {
@@ -60,6 +61,7 @@ class SampleStream final : public StreamWriter {
   void load(absl::StatusOr<Ticket> ticket);
   void loaded(absl::StatusOr<PlanInput> input);
   void give_turn_back();
+  void free_points();
   void message_done();
 
   void post_pieces();
@@ -94,8 +96,9 @@ class SampleStream final : public StreamWriter {
   MeshOrder order_;
   std::vector<GridLease> grids_;  ///< keep the files from being evicted
   std::optional<ShapeSampler> sampler_;
-  std::vector<WorldPoint> points_;
-  std::uint64_t first_point_ = 0;  ///< of these, within the call
+  std::vector<WorldPoint> points_;  ///< of a message that is not answered
+  CallCharge charge_;               ///< for these
+  std::uint64_t first_point_ = 0;   ///< of these, within the call
 
   // The writer's lock guards all below.
   Ticket ticket_;  ///< while what is sampled is loaded

@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "core/vdb/load.h"
+#include "server/ops/memory.h"
+#include "server/streams/call_charge.h"
 #include "tests/client/cutting_proxy.h"
 #include "tests/server/passing_time.h"
 #include "tests/server/reason_of.h"
@@ -218,6 +220,45 @@ TEST_F(SamplePointsTest, TakesNoTurnFromMeshesWhileItWaits) {
   EXPECT_EQ(answer.samples().point_count(), 1);
   stream->WritesDone();
   EXPECT_TRUE(stream->Finish().ok());
+}
+
+TEST_F(SamplePointsTest, HoldsPointsOnlyUntilTheyAreAnswered) {
+  start();
+  grpc::ClientContext context;
+  const auto stream = meshes_->SamplePoints(&context);
+  stream->Write(start_of(scene_of_a_ball()));
+  v1::SamplePointsResponse response;
+  ASSERT_TRUE(stream->Read(&response));
+  // Nobody reads the answers, which are more than a connection holds.
+  constexpr std::int64_t kMany = 100'000;
+  ASSERT_TRUE(stream->Write(points_of(std::vector<double>(3 * kMany, 0.5))));
+  EXPECT_TRUE(eventually([&] { return activity().point_bytes == kMany * sizeof(WorldPoint); }));
+  for (std::int64_t answered = 0; answered < kMany;) {
+    ASSERT_TRUE(stream->Read(&response));
+    answered += response.samples().point_count();
+  }
+  EXPECT_TRUE(eventually([&] { return activity().point_bytes == 0; }));
+  ASSERT_TRUE(stream->Write(points_of({0, 0, 2})));
+  ASSERT_TRUE(stream->Read(&response));
+  EXPECT_EQ(response.samples().first_point(), kMany);
+  stream->WritesDone();
+  EXPECT_TRUE(stream->Finish().ok());
+}
+
+TEST_F(SamplePointsTest, RefusesPointsThatOthersLeaveNoRoomFor) {
+  start();
+  const std::uint64_t limit = point_bytes(config_);
+  CallCharge others("others' points", const_cast<Activity&>(activity()).point_bytes, limit);
+  ASSERT_EQ(others.add(limit - 2 * sizeof(WorldPoint)), absl::OkStatus());
+  const v1::SamplePointsRequest begin = start_of(scene_of_a_ball());
+  const v1::SamplePointsRequest fits = points_of(std::vector<double>(6, 0.5));
+  const v1::SamplePointsRequest more = points_of(std::vector<double>(9, 0.5));
+  EXPECT_TRUE(answer_to({begin, fits, fits}).ok());
+  const grpc::Status refused = answer_to({begin, more});
+  EXPECT_EQ(reason_of(refused), "tetstream/SERVER_BUSY") << refused.error_message();
+  EXPECT_THAT(refused.error_message(), HasSubstr("bytes of points that are sampled"));
+  others.shrink_to(0);
+  EXPECT_TRUE(answer_to({begin, more}).ok());
 }
 
 TEST_F(SamplePointsTest, EndsACallWhoseClientSendsNothing) {

@@ -1,4 +1,9 @@
 // Frames of sessions: in several messages, and such as cannot be meshed.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <malloc.h>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,6 +127,64 @@ TEST_F(SessionFramesTest, EndsASessionWhoseClientDoesNotEndAFrame) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::ABORTED) << status.error_message();
   EXPECT_THAT(status.error_message(), HasSubstr("sent no frame for"));
   EXPECT_TRUE(eventually([&] { return activity().changed_grid_bytes == 0; }));
+}
+
+/// Sessions that stay open after their second mesh.
+class OpenSessions {
+ public:
+  /// Each message has so many bytes besides, in a field that nobody knows.
+  OpenSessions(v1::MeshService::Stub& meshes, std::size_t unknown_bytes) {
+    v1::RemeshRequest begin, frame;
+    *begin.mutable_start() = request_of(two_balls(0));
+    *frame.mutable_frame()->mutable_scene() = two_balls(0.1);
+    add_unknown(unknown_bytes, *begin.mutable_start());
+    add_unknown(unknown_bytes, *frame.mutable_frame()->mutable_scene());
+    for (Session& session : sessions_) {
+      session.stream = meshes.RemeshSession(&session.context);
+      for (const v1::RemeshRequest& message : {begin, frame}) {
+        EXPECT_TRUE(session.stream->Write(message));
+        v1::MeshEvent event;
+        while (!event.has_trailer() && session.stream->Read(&event)) {
+        }
+        EXPECT_TRUE(event.has_trailer());
+      }
+    }
+  }
+  ~OpenSessions() {
+    for (Session& session : sessions_) {
+      session.stream->WritesDone();
+      EXPECT_TRUE(session.stream->Finish().ok());
+    }
+  }
+
+ private:
+  struct Session {
+    grpc::ClientContext context;
+    std::unique_ptr<grpc::ClientReaderWriter<v1::RemeshRequest, v1::MeshEvent>> stream;
+  };
+
+  static void add_unknown(std::size_t bytes, google::protobuf::Message& message) {
+    message.GetReflection()->MutableUnknownFields(&message)->AddLengthDelimited(
+        12345, std::string(bytes, 'x'));
+  }
+
+  std::array<Session, 8> sessions_;
+};
+
+/// By this process, which is the server, too.
+std::uint64_t allocated_bytes() {
+  const struct mallinfo2 now = ::mallinfo2();
+  return now.uordblks + now.hblkhd;
+}
+
+TEST_F(SessionFramesTest, KeepNothingThatNoFieldIsKnownFor) {
+  start();
+  const OpenSessions plain(*meshes_, 0);
+  const std::uint64_t before = allocated_bytes();
+  const OpenSessions padded(*meshes_, std::size_t{3} << 20);
+  // What is unknown is 48 MiB of what they sent.
+  EXPECT_TRUE(
+      eventually([&] { return allocated_bytes() < before + (std::uint64_t{24} << 20); }));
 }
 
 TEST_F(SessionFramesTest, ChargesPartsBeforeTheirFrameIsWhole) {
