@@ -94,22 +94,19 @@ void keep_asking(int socket, std::chrono::seconds each) {
 
 }  // namespace
 
-AcceptedSocket accept_http(const Descriptor& listener,
-                           std::chrono::seconds keepalive,
-                           bool& exhausted) {
+Accepted accept_http(const Descriptor& listener,
+                     std::chrono::seconds keepalive,
+                     AcceptedSocket& accepted) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
-  AcceptedSocket accepted{
+  accepted.descriptor =
       Descriptor(::accept4(listener.number(), reinterpret_cast<sockaddr*>(&address), &size,
-                           SOCK_NONBLOCK | SOCK_CLOEXEC)),
-      {}};
-  exhausted = !accepted.descriptor.is_open() &&
-              (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
-  if (!accepted.descriptor.is_open()) return accepted;
+                           SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (!accepted.descriptor.is_open()) return accepted_none(errno);
   set_option(accepted.descriptor.number(), IPPROTO_TCP, TCP_NODELAY, 1);
   keep_asking(accepted.descriptor.number(), keepalive);
   accepted.peer = peer_text(address);
-  return accepted;
+  return Accepted::kOne;
 }
 
 }  // namespace tet

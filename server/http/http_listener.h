@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/posix/descriptor.h"
+#include "server/http/listener_watch.h"
 #include "server/ops/listen_address.h"
 
 namespace tet {
@@ -25,11 +26,10 @@ struct AcceptedSocket {
   std::string peer;  ///< as gRPC writes it
 };
 
-/// Takes the next connection; the kernel asks it each `keepalive` of silence whether it is
-/// still there, and ends one that does not say so. Without a descriptor where there is none,
-/// or, as `exhausted` then says, no room for one in this process.
-AcceptedSocket accept_http(const Descriptor& listener,
-                           std::chrono::seconds keepalive,
-                           bool& exhausted);
+/// Takes the next connection into `accepted`, where there is one; the kernel asks it each
+/// `keepalive` of silence whether it is still there, and ends one that does not say so.
+Accepted accept_http(const Descriptor& listener,
+                     std::chrono::seconds keepalive,
+                     AcceptedSocket& accepted);
 
 }  // namespace tet

@@ -6,7 +6,6 @@
 #include <future>
 #include <map>
 #include <optional>
-#include <sys/epoll.h>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -16,6 +15,7 @@
 #include "server/http/http_connection.h"
 #include "server/http/http_listener.h"
 #include "server/http/http_tls.h"
+#include "server/http/listener_watch.h"
 #include "server/http/open_api.h"
 #include "server/ops/logging.h"
 #include "server/ops/sieve.h"
@@ -25,7 +25,6 @@ namespace tet {
 namespace {
 
 constexpr std::chrono::milliseconds kTick{250};
-constexpr int kMostAcceptedAtOnce = 64;
 constexpr std::chrono::seconds kGoodbye{1};
 // Who began a request or an answer and has been silent for so long may have to go, for others.
 constexpr std::chrono::seconds kSilence{1};
@@ -94,9 +93,7 @@ struct HttpPort::Impl {
   }
   ~Impl();
 
-  void watch_listener();
-  void accept_some();
-  bool accept_one();
+  Accepted accept_one();
   void admit(AcceptedSocket accepted);
   template <class Since>
   bool close_earliest(const Since& since, Clock::time_point end);
@@ -111,11 +108,11 @@ struct HttpPort::Impl {
   const std::uint64_t most_connections;
   std::optional<HttpTls> tls;
   EventLoop loop{kTick, [this] { tick(); }};
+  ListenerWatch watch{loop, listener.descriptor.number(), [this] { return accept_one(); }};
   HttpPlace place;
   const std::chrono::seconds keepalive;
   HttpShared shared;
   std::map<int, std::shared_ptr<HttpConnection>> connections;  ///< by descriptor
-  bool listening = true;
   std::promise<void>* closing = nullptr;  ///< told when all connections are closed
   Clock::time_point last_moment;
   std::atomic<std::uint64_t> open{0}, accepted{0};
@@ -126,7 +123,7 @@ struct HttpPort::Impl {
 HttpPort::Impl::~Impl() {
   std::promise<void> closed;
   loop.post([&] {
-    loop.forget(listener.descriptor.number());
+    watch.end();
     closing = &closed;
     last_moment = Clock::now() + kGoodbye;
     close_all();
@@ -144,29 +141,13 @@ void HttpPort::Impl::close_all() {
   if (connections.empty()) std::exchange(closing, nullptr)->set_value();
 }
 
-void HttpPort::Impl::watch_listener() {
-  loop.watch(listener.descriptor.number(), EPOLLIN, [this](std::uint32_t) { accept_some(); });
-}
-
-void HttpPort::Impl::accept_some() {
-  for (int i = 0; i < kMostAcceptedAtOnce; ++i) {
-    if (!accept_one()) return;
-  }
-}
-
-bool HttpPort::Impl::accept_one() {
-  bool exhausted = false;
-  AcceptedSocket next = accept_http(listener.descriptor, keepalive, exhausted);
-  if (next.descriptor.is_open()) {
-    admit(std::move(next));
-    return true;
-  }
-  // The event would come again at once: the next tick looks again.
-  if (exhausted && !close_one_that_waits()) {
-    listening = false;
-    loop.change(listener.descriptor.number(), 0);
-  }
-  return false;
+Accepted HttpPort::Impl::accept_one() {
+  AcceptedSocket next;
+  const Accepted taken = accept_http(listener.descriptor, keepalive, next);
+  if (taken == Accepted::kOne) admit(std::move(next));
+  // Then there is room when the event comes again, which it does at once.
+  if (taken == Accepted::kNoRoom && close_one_that_waits()) return Accepted::kNone;
+  return taken;
 }
 
 void HttpPort::Impl::admit(AcceptedSocket next) {
@@ -224,7 +205,7 @@ void HttpPort::Impl::tick() {
   for (const auto& connection : all()) connection->check(now);
   open = connections.size();
   if (closing != nullptr) return close_all();
-  if (!std::exchange(listening, true)) loop.change(listener.descriptor.number(), EPOLLIN);
+  watch.look_again();
 }
 
 void HttpPort::Impl::refused(int status) {
@@ -244,7 +225,7 @@ absl::StatusOr<std::unique_ptr<HttpPort>> HttpPort::open(const Config& config,
   if (!listener.ok()) return listener.status();
   auto impl = std::make_unique<Impl>(config, std::move(service), *std::move(listener),
                                      *std::move(page));
-  impl->watch_listener();
+  impl->watch.begin();
   impl->loop.start();
   return std::unique_ptr<HttpPort>(new HttpPort(std::move(impl)));
 }

@@ -1,5 +1,6 @@
 #include "server/shared_memory/shared_memory_port.h"
 
+#include <cerrno>
 #include <sys/epoll.h>
 #include <unistd.h>
 #include <utility>
@@ -46,8 +47,9 @@ absl::StatusOr<std::unique_ptr<SharedMemoryPort>> SharedMemoryPort::open(
 SharedMemoryPort::SharedMemoryPort(SocketFile file, Descriptor listener)
     : file_(std::move(file)),
       listener_(std::move(listener)),
-      loop_(kTick, [this] { end_old(); }) {
-  loop_.watch(listener_.number(), EPOLLIN, [this](std::uint32_t) { accept(); });
+      watch_(loop_, listener_.number(), [this] { return accept_one(); }),
+      loop_(kTick, [this] { tick(); }) {
+  watch_.begin();
   loop_.start();
 }
 
@@ -62,12 +64,16 @@ SideClaim SharedMemoryPort::claim(const std::string& token) {
   return claimed;
 }
 
-void SharedMemoryPort::accept() {
-  for (;;) {
-    Descriptor socket = accept_packets(listener_);
-    if (!socket.is_open()) return;
-    add(std::move(socket));
-  }
+Accepted SharedMemoryPort::accept_one() {
+  Descriptor socket = accept_packets(listener_);
+  if (!socket.is_open()) return accepted_none(errno);
+  add(std::move(socket));
+  return Accepted::kOne;
+}
+
+void SharedMemoryPort::tick() {
+  end_old();
+  watch_.look_again();
 }
 
 /// False where there is no room for another: it is closed, and the client goes without.

@@ -14,6 +14,7 @@
 #include "core/base/posix/descriptor.h"
 #include "core/base/posix/socket_file.h"
 #include "server/http/event_loop.h"
+#include "server/http/listener_watch.h"
 #include "server/shared_memory/side_connection.h"
 
 namespace tet {
@@ -54,7 +55,8 @@ class SharedMemoryPort {
   };
 
   SharedMemoryPort(SocketFile file, Descriptor listener);
-  void accept();
+  Accepted accept_one();
+  void tick();
   bool add(Descriptor socket);
   bool wait_for_claim(const std::shared_ptr<SideConnection>& connection, uid_t user, Kind kind);
   void heed(const std::shared_ptr<SideConnection>& connection);
@@ -65,6 +67,7 @@ class SharedMemoryPort {
   const Descriptor listener_;
   std::mutex mutex_;
   std::map<std::string, Waiting> waiting_;  ///< by token
+  ListenerWatch watch_;                     ///< of the loop
   EventLoop loop_;                          // last: its thread uses the others
 };
 

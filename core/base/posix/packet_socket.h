@@ -16,7 +16,8 @@ namespace tet {
 /// `errno` tells why.
 Descriptor listen_for_packets(const std::string& path, int backlog) noexcept;
 
-/// The next connection that waits there, never waiting; none is open where there is none.
+/// The next connection that waits there, never waiting; none is open where there is none, and
+/// `errno` tells why.
 Descriptor accept_packets(const Descriptor& listener) noexcept;
 
 /// Connects, never waiting. None is open where nobody listens or the queue is full.
