@@ -248,7 +248,10 @@ v1::MeshEvent ChunkStream::whole_header() const {
   return event;
 }
 
+/// Whatever ends the stream before it is whole, its work ends with it: nobody counts it any
+/// more, and what measures fidelity would go on for as long as the mesh is large.
 void ChunkStream::note_end() {
+  if (!ended_well()) watch_->cancellation.cancel();
   engine_.send_budget.leave(this);
   shared_.end(ended_well());
 }
