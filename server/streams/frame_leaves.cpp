@@ -16,6 +16,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+/// What a message takes beside its values and its leaves: its place in a list, and what the
+/// allocator adds to each block.
+constexpr std::size_t kMessageBytes = 2 * sizeof(std::vector<float>) + 2 * sizeof(void*);
+
 /// Voxels of leaves begin at multiples of 8.
 absl::StatusOr<BrickCoord> brick_of(const v1::LeafUpdate& leaf) {
   for (const auto& [axis, voxel] :
@@ -34,11 +38,13 @@ FrameLeaves::FrameLeaves(const std::string& before, std::shared_ptr<CallCharge> 
 }
 
 absl::Status FrameLeaves::add(const v1::RemeshFrame& message) {
+  if (message.leaves().empty()) return absl::OkStatus();  // nothing is kept of it
   std::size_t bytes = 0;
   for (const v1::LeafUpdate& leaf : message.leaves()) bytes += leaf.values().size();
-  // The list of leaves may have room for twice as many.
+  // The lists of leaves and of messages may have room for twice as many.
   const auto count = static_cast<std::size_t>(message.leaves_size());
-  const absl::Status charged = charge_->add(bytes + 2 * count * sizeof(LeafValues));
+  const absl::Status charged =
+      charge_->add(bytes + 2 * count * sizeof(LeafValues) + kMessageBytes);
   if (!charged.ok()) return charged;
   values_.emplace_back(bytes / sizeof(float));
   float* to = values_.back().data();
