@@ -15,7 +15,8 @@ class ChunkConsumer {
   virtual ~ChunkConsumer() = default;
 
   /// Makes room for a mesh, before its first chunk. `kept` says what the mesh has in common
-  /// with the base that was asked for, and is null where all of it comes.
+  /// with the base that was asked for, and is null where all of it comes. Asked once more where
+  /// all has to come anew.
   virtual absl::Status make_room(const MeshHeader& header, const KeptParts* kept) = 0;
 
   /// Where a chunk's columns are to be written, in exactly their sizes. A chunk that turns out

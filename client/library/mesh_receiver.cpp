@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
@@ -12,6 +13,7 @@
 namespace tet {
 
 absl::Status MeshInMemory::make_room(const MeshHeader& header, const KeptParts* kept) {
+  if (mesh_.header.tet_count > 0) used_ = std::exchange(mesh_, TetMesh());  // all comes anew
   if (kept != nullptr) {
     absl::StatusOr<TetMesh> mesh = absl::InternalError("not made");
     TaskPool pool;

@@ -55,7 +55,8 @@ class MeshReceiver {
   /// See StreamReader.
   void use_shared(SharedChunks& shared) noexcept { reader_.use_shared(shared); }
 
-  /// Errors: kDataLoss (saying what does not fit), kResourceExhausted (no memory for the mesh).
+  /// Errors: kDataLoss (saying what does not fit), kUnavailable (see StreamReader),
+  /// kResourceExhausted (no memory for the mesh).
   absl::Status take(const v1::MeshEvent& event) { return reader_.take(event); }
   /// Takes an event as it came: a chunk goes into the mesh without another copy.
   absl::Status take(grpc::ByteBuffer& event) { return reader_.take(event); }

@@ -111,10 +111,7 @@ absl::Status StreamReader::take_header(const v1::MeshHeader& header) {
     if (absl::Status status = shared_->open(header.shared_memory()); !status.ok())
       return status;
   }
-  if (has_header_) {
-    const bool same = header.mesh_id() == told_.mesh_id && header.has_kept() == keeps_parts_;
-    return same ? absl::OkStatus() : bad_stream("another mesh after resuming");
-  }
+  if (has_header_) return resume(header);
   if (absl::Status status = begin(header, *checked); !status.ok()) return status;
   told_.mesh.header = *checked;
   chunks_ =
@@ -124,6 +121,23 @@ absl::Status StreamReader::take_header(const v1::MeshHeader& header) {
   told_.canonical_request = header.canonical_request();
   has_header_ = true;
   return absl::OkStatus();
+}
+
+/// Takes the header of a resumed stream, of the same mesh in the same chunks. The server may
+/// have the base at one attempt and not at the other: then chunk 3 is another one, and all has
+/// to come anew.
+absl::Status StreamReader::resume(const v1::MeshHeader& header) {
+  const bool same_chunks = header.has_kept() == keeps_parts_;
+  if (header.mesh_id() != told_.mesh_id || (!same_chunks && base_ != Base::kNamed)) {
+    return bad_stream("another mesh after resuming");
+  }
+  if (same_chunks) return absl::OkStatus();
+  StreamReader anew(*consumer_, base_);
+  anew.shared_ = shared_;
+  anew.told_.mesh_id = std::move(told_.mesh_id);  // which is still what is asked for
+  *this = std::move(anew);
+  return absl::UnavailableError(
+      "the server has the mesh to be updated at one attempt and not at the other");
 }
 
 absl::Status StreamReader::begin(const v1::MeshHeader& header, const MeshHeader& checked) {

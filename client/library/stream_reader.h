@@ -40,7 +40,8 @@ class StreamReader {
   /// Takes chunks from shared memory, too, which outlives this.
   void use_shared(SharedChunks& shared) noexcept { shared_ = &shared; }
 
-  /// Errors: kDataLoss (saying what does not fit), those of the consumer.
+  /// Errors: kDataLoss (saying what does not fit), kUnavailable (the next attempt begins with
+  /// chunk 0), those of the consumer.
   absl::Status take(const v1::MeshEvent& event);
   /// Takes an event as it came: a chunk goes to its place without another copy.
   absl::Status take(grpc::ByteBuffer& event);
@@ -78,6 +79,7 @@ class StreamReader {
   const MeshHeader& header() const noexcept { return told_.mesh.header; }
   absl::Status read(grpc::ByteBuffer& event);
   absl::Status take_header(const v1::MeshHeader& header);
+  absl::Status resume(const v1::MeshHeader& header);
   absl::Status take_shared(const ChunkNumbers& numbers, std::int64_t offset);
   absl::Status begin(const v1::MeshHeader& header, const MeshHeader& checked);
   absl::Status take_chunk(const v1::MeshChunk& chunk);

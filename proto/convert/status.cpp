@@ -106,6 +106,10 @@ absl::Status with_retry(absl::Status status, absl::Duration delay) {
   return status;
 }
 
+bool has_retry(const absl::Status& status) {
+  return status.GetPayload(kRetryInfoUrl).has_value();
+}
+
 absl::Status over_limit(std::string_view what,
                         std::uint64_t value,
                         std::uint64_t limit,

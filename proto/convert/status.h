@@ -32,6 +32,8 @@ absl::Status within_field(std::string_view outer, const absl::Status& status);
 
 /// Says that it is worth trying again after `delay`.
 absl::Status with_retry(absl::Status status, absl::Duration delay);
+/// Whether with_retry said so.
+bool has_retry(const absl::Status& status);
 
 /// kResourceExhausted: "`what`: `value` is over the limit of `limit`", the numbers also in the
 /// ErrorInfo's metadata.

@@ -25,6 +25,11 @@ absl::StatusOr<StreamOrder> parse(grpc::ByteBuffer request) {
   return parse_stream_request(message);
 }
 
+/// Whether it may be another thing in a moment.
+bool will_pass(const absl::Status& failure) {
+  return absl::IsUnavailable(failure) || has_retry(failure);
+}
+
 }  // namespace
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MeshStream::start(
@@ -56,13 +61,18 @@ bool MeshStream::find_stored() {
   return stored_ != nullptr;
 }
 
-/// A base that is not what the client has, or not here any more, is no reason to fail.
+/// A base that is not what the client has, or not here any more, is no reason to fail. But
+/// whoever resumes has patches already, and chunks of the whole mesh are no use beside them:
+/// where the base cannot be had at this moment alone, the client is to ask once more.
 void MeshStream::plan() {
   if (order_.base_digest.empty()) return plan_mesh(nullptr);
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
   engine_.planner.plan(call_.client(), std::move(base), watch_,
                        [self = self()](const absl::StatusOr<PlannedMesh>& planned) {
+                         if (self->order_.start_chunk > 0 && will_pass(planned.status())) {
+                           return self->begin(planned.status());
+                         }
                          const bool found =
                              planned.ok() && planned->mesh_id == self->order_.base_mesh_id;
                          self->guard([&] { self->plan_mesh(found ? planned->plan : nullptr); });
@@ -84,6 +94,8 @@ void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
   source_.patch =
       MeshPatch::between(as_bricks(base), as_bricks(planned_.plan), watch_->cancellation);
   if (const auto s = check_cancelled(watch_->cancellation); !s.ok()) return begin(s);
+  // A client that has more chunks than there are patches has those of the whole mesh.
+  if (order_.start_chunk > source_.chunk_count()) source_.patch = nullptr;
   // A patch has no compact form: its vertices may belong to tets that the client keeps.
   const bool is_compact = order_.encoding == v1::ENCODING_COMPACT;
   if (source_.patch != nullptr && is_compact) source_.encoding = v1::ENCODING_PACKED;

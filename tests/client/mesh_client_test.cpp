@@ -184,6 +184,47 @@ TEST_F(MeshClientTest, UpdatesAMeshWhoseGridIsGoneByTheWholeOne) {
   EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
 }
 
+TEST_F(MeshClientTest, BeginsAnUpdateAgainWhereTheBaseIsThereAtOneAttemptAlone) {
+  const v1::MeshRequest sphere = mesh_of(solid_file("sphere", 0.04));
+  const v1::StreamMeshRequest plain = stream_of(mesh_of(solid_file("cavity", 0.04)));
+  const auto earlier = client_->stream_mesh(sphere, {}, never_);
+  const auto whole = client_->stream_mesh(plain.mesh(), {}, never_);
+  ASSERT_TRUE(earlier.ok() && whole.ok()) << earlier.status() << whole.status();
+  v1::StreamMeshRequest beside = plain;
+  beside.set_base_mesh_id(earlier->mesh_id);
+  beside.set_base_name(sphere.name());
+  const auto events_of = [&](const v1::StreamMeshRequest& request) {
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, request);
+    std::vector<v1::MeshEvent> events;
+    for (v1::MeshEvent event; reader->Read(&event);) {
+      if (!event.has_progress()) events.push_back(event);
+    }
+    EXPECT_TRUE(reader->Finish().ok());
+    return events;
+  };
+  const std::vector<v1::MeshEvent> chunks = events_of(plain), patches = events_of(beside);
+  ASSERT_GT(std::min(chunks.size(), patches.size()), 3U);
+  ASSERT_TRUE(patches[0].header().has_kept());
+  for (const auto& [first, then] : {std::pair(patches, chunks), std::pair(chunks, patches)}) {
+    MeshReceiver receiver(&earlier->mesh);
+    for (const std::size_t i : {0, 1, 2}) ASSERT_EQ(receiver.take(first[i]), absl::OkStatus());
+    const absl::Status other = receiver.take(then[0]);
+    EXPECT_EQ(other.code(), absl::StatusCode::kUnavailable) << other;
+    EXPECT_EQ(receiver.next_chunk(), 0U);
+    EXPECT_EQ(receiver.mesh_id(), whole->mesh_id);
+    for (const v1::MeshEvent& event : then) ASSERT_EQ(receiver.take(event), absl::OkStatus());
+    ASSERT_TRUE(receiver.complete());
+    const auto mesh = std::move(receiver).finish(never_);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_TRUE(same_mesh(mesh->mesh, whole->mesh));
+  }
+  // Only where a base was asked for: else it is another mesh.
+  MeshReceiver receiver;
+  ASSERT_EQ(receiver.take(chunks[0]), absl::OkStatus());
+  EXPECT_EQ(receiver.take(patches[0]).code(), absl::StatusCode::kDataLoss);
+}
+
 TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {
   std::string bytes;
   bytes.resize(12'000'000, 'x');

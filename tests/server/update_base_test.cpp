@@ -1,0 +1,44 @@
+// Updates whose base cannot be had when they are resumed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/vdb/load.h"
+#include "tests/server/held_stream.h"
+#include "tests/server/service_fixture.h"
+
+namespace tet::test {
+namespace {
+
+using UpdateBaseTest = ServiceTest;
+
+TEST_F(UpdateBaseTest, AsksWhoeverResumesAnUpdateToWaitForRoomForItsBase) {
+  const std::string before = solid_file("sphere", 0.04), after = solid_file("cavity", 0.04);
+  config_.resident_bytes =
+      load_volume(before, "")->size_bytes() + load_volume(after, "")->size_bytes() - 1;
+  start();
+  const v1::MeshRequest sphere = mesh_of(before);
+  v1::StreamMeshRequest update = stream_of(mesh_of(after));
+  HeldStream other(*meshes_, update);  // with the only grid that there is room for
+  ASSERT_TRUE(other.has_chunk());
+  v1::StreamMeshRequest begun = update;
+  begun.set_base_mesh_id("the sphere's");
+  begun.set_base_name(sphere.name());
+  v1::StreamMeshRequest resumed = begun;
+  resumed.set_start_chunk(1);
+  const auto end_of = [&](const v1::StreamMeshRequest& request) {
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, request);
+    for (v1::MeshEvent event; reader->Read(&event);) {
+    }
+    return reader->Finish();
+  };
+  EXPECT_TRUE(end_of(begun).ok());
+  const grpc::Status busy = end_of(resumed);
+  EXPECT_EQ(busy.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << busy.error_message();
+  EXPECT_THAT(busy.error_details(), testing::HasSubstr("google.rpc.RetryInfo"));
+  other.let_go();
+  EXPECT_TRUE(eventually([&] { return end_of(resumed).ok(); })) << "which is no base after all";
+}
+
+}  // namespace
+}  // namespace tet::test
