@@ -10,6 +10,7 @@
 #include "proto/convert/status.h"
 #include "proto/wire/serialized.h"
 #include "server/meshing/mesh_events.h"
+#include "server/meshing/shared_chunk.h"
 #include "server/ops/guard.h"
 
 namespace tet {
