@@ -198,7 +198,7 @@ TEST_F(StoredResults, EndTheYoungerOfTwoJobsThatWaitForEachOthersRoom) {
   const v1::Job &older = jobs[0], &younger = jobs[1];
   start_with_room(stored_bytes() + kLessThanAChunk);
   const v1::Job ended = server_.wait(younger);
-  EXPECT_EQ(ended.state(), v1::JOB_STATE_FAILED);
+  ASSERT_EQ(ended.state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(ended.error().message(), testing::HasSubstr("retry the job when they are"));
   EXPECT_THAT(ended.error().details(0).value(), testing::HasSubstr("RESULTS_HELD_BY_JOBS"));
   ASSERT_EQ(server_.wait(older).state(), v1::JOB_STATE_SUCCEEDED);

@@ -10,12 +10,13 @@
 namespace tet::test {
 namespace {
 
-/// 600 workers with names as long as may be, of which each has a hundred shards of a job.
+/// A thousand workers with names as long as may be, of which each has a hundred shards of a
+/// job.
 constexpr char kManyLeases[] = R"sql(
-WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 599)
+WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 999)
 INSERT INTO workers (name, algorithm, trouble, seen_us)
   SELECT printf('%0128d', i), '', x'', strftime('%s', 'now') * 1000000 FROM n;
-WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 59999)
+WITH RECURSIVE n(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM n WHERE i < 99999)
 INSERT INTO queue (job_id, phase, number, first_chunk, end_chunk, rank, space, state, token, worker,
     attempt, lease_us, due_us)
   SELECT '$job', 2, i, i * 64, i * 64 + 64, 0, 'default', 1, i, printf('%0128d', i / 100), 1,
@@ -46,8 +47,8 @@ TEST(JobPages, OfWorkersFitAnAnswerHoweverManyShardsTheyHave) {
     for (const v1::Worker& worker : page.workers()) shards += worker.shards_size();
     request.set_page_token(page.next_page_token());
   } while (!request.page_token().empty());
-  EXPECT_EQ(workers, 600);
-  EXPECT_EQ(shards, 60'000);
+  EXPECT_EQ(workers, 1000);
+  EXPECT_EQ(shards, 100'000);
 }
 
 }  // namespace
