@@ -20,6 +20,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/posix/printed.h"
 #include "core/base/printable.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
@@ -263,10 +264,7 @@ int work(const tet::Config& config, const sigset_t& signals) {
   return kDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const tet::WorkerThreads workers;
+int run_command_line(int argc, char** argv) {
   CLI::App app(kAbout, "tetstreamd");
   CommandLine line;
   declare_options(app, line);
@@ -293,4 +291,11 @@ int main(int argc, char** argv) {
   const int code = line.worker ? work(config, signals) : serve(config, signals);
   tet::flush_log(kLastWords);
   return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const tet::WorkerThreads workers;
+  return tet::exit_code_of_printed(run_command_line(argc, argv), "tetstreamd");
 }

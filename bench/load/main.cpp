@@ -21,6 +21,7 @@
 #include "client/command/interruption.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
+#include "core/base/posix/printed.h"
 #include "core/base/printable.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
@@ -176,5 +177,5 @@ int run_command_line(int argc, char** argv) {
 int main(int argc, char** argv) {
   const tet::WorkerThreads workers;
   tet::quieten_grpc();
-  return tet::load::run_command_line(argc, argv);
+  return tet::exit_code_of_printed(tet::load::run_command_line(argc, argv), "tetstream-load");
 }

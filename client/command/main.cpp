@@ -1,8 +1,6 @@
 // tetstream: VDB volumes and closed surfaces in, tetrahedral meshes out.
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -16,6 +14,7 @@
 #include "client/library/error_details.h"
 #include "core/base/contain.h"
 #include "core/base/parallel.h"
+#include "core/base/posix/printed.h"
 #include "core/base/printable.h"
 #include "core/manual/write_manual.h"
 #include "proto/wire/transport.h"
@@ -127,15 +126,6 @@ int run_command_line(int argc, char** argv) {
   return static_cast<int>(ExitCode::kUsage);
 }
 
-/// What was printed may be the answer: where it did not reach its end all is not well.
-int with_what_was_printed(int code) {
-  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  if (written || code != static_cast<int>(ExitCode::kDone)) return code;
-  std::fprintf(stderr, "tetstream: what it printed cannot be written: %s\n",
-               errno == 0 ? "some of it was lost" : std::strerror(errno));
-  return static_cast<int>(ExitCode::kRefused);
-}
-
 }  // namespace
 }  // namespace tet
 
@@ -143,5 +133,5 @@ int main(int argc, char** argv) {
   const tet::WorkerThreads workers;
   tet::keep_read_blocks();
   tet::quieten_grpc();
-  return tet::with_what_was_printed(tet::run_command_line(argc, argv));
+  return tet::exit_code_of_printed(tet::run_command_line(argc, argv), "tetstream");
 }

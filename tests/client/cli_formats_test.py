@@ -95,12 +95,15 @@ class Printed(CommandTest):
     """What is printed may be the answer."""
 
     def test_that_cannot_be_written_is_a_failure(self):
-        for command in (("formats",), ("--help",), ("info", self.inputs / "sphere.vdb", "--json")):
+        for command in (("tetstream", "formats"), ("tetstream", "--help"),
+                        ("tetstream", "info", self.inputs / "sphere.vdb", "--json"),
+                        ("tetstreamd", "--print-config"), ("tetstreamd", "--new-token", "alice"),
+                        ("tetstream-load", "--help")):
             with self.subTest(command), open("/dev/full", "w") as full:
-                result = subprocess.run([binaries() / "tetstream", *command], stdout=full,
+                result = subprocess.run([binaries() / command[0], *command[1:]], stdout=full,
                                         stderr=subprocess.PIPE, text=True, check=False)
                 self.assertEqual(result.returncode, REFUSED, result.stderr)
-                self.assertIn("No space left on device", result.stderr)
+                self.assertIn(f"{command[0]}: what it printed cannot be written", result.stderr)
 
     def test_report_takes_no_meshs_place(self):
         link = self.inputs / "link.vtu"
