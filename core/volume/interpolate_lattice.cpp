@@ -11,9 +11,11 @@ namespace {
 constexpr std::size_t kEdge = kBrickEdge;
 constexpr std::size_t kMaxVoxels = 2 * AxisPoints::kMax;  // along an axis
 
-/// Blends two values. The result never lies beyond them, and has their sign if they have one.
+/// Blends two values. The result never lies beyond them: rounding alone may put it there, even
+/// where both are the same, and bricks are told apart by the values of voxels.
 inline float blend(float low, float high, float weight) noexcept {
-  return (1 - weight) * low + weight * high;
+  const float between = (1 - weight) * low + weight * high;
+  return std::min(std::max(between, std::min(low, high)), std::max(low, high));
 }
 
 TET_VECTOR_CLONES

@@ -100,6 +100,31 @@ TEST(LatticeLimits, ABrickWhoseCornerIsNearlyOnTheSurfaceIsOnOneSideWhole) {
   }
 }
 
+// Between voxels of one value there is that value, and not one that rounding made of it: all
+// around the ball the voxels have the value of the surface itself.
+TEST(LatticeLimits, APlateauAtTheValueOfTheSurfaceIsOnOneSideWhole) {
+  const auto solid = [](VoxelCoord v) {
+    return std::hypot(v.x, v.y, v.z) < 12 ? 50.0F : 100.0F;
+  };
+  for (const double spacing : {1.33, 1.07, 0.7}) {
+    MeshRequest request;
+    request.spacing = spacing;
+    request.iso = 100;
+    request.inside = InsideSide::kBelow;
+    const MeshResult result =
+        test::mesh(test::dense_volume({{-32, -32, -32}, {39, 39, 39}}, 100, solid), request);
+    const ConformityReport report = check_conformity(result.mesh);
+    EXPECT_TRUE(report.conforming()) << report.describe();
+    // Cells that have a voxel of the ball belong to it up to their last corner.
+    const auto volume = [pi = std::acos(-1)](double radius) {
+      return 4 * pi / 3 * radius * radius * radius;
+    };
+    EXPECT_GT(result.quality.volume, volume(12)) << "at spacing " << spacing;
+    EXPECT_LT(result.quality.volume, volume(13 + spacing / 2)) << "at spacing " << spacing;
+    EXPECT_EQ(result.boundary->components, 1) << "at spacing " << spacing;
+  }
+}
+
 // A brick of one sheet takes a third of what one of 64 blobs takes while it is counted.
 TEST(LatticeLimits, ThePartsOfASurfaceCountForItsMemory) {
   const auto blobs = [](VoxelCoord v) {
