@@ -145,6 +145,11 @@ absl::StatusOr<StreamedMesh> receive_stream_mesh(Connection& connection,
   const auto request = [&](const MeshReceiver& so_far) {
     message.set_start_chunk(static_cast<std::int64_t>(so_far.next_chunk()));
     message.set_expected_mesh_id(so_far.mesh_id());
+    if (so_far.is_sent_whole()) {
+      // A base is of no more use, and would have the stream refused while it cannot be had.
+      message.clear_base_mesh_id();
+      message.clear_base_name();
+    }
     shared->ask(message, connection.server().shared_memory_path(), cancellation);
     return serialized(message);
   };

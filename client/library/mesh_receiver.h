@@ -66,6 +66,8 @@ class MeshReceiver {
     return reader_.planning();
   }
 
+  /// Whether the header said that nothing is kept of a base.
+  bool is_sent_whole() const noexcept { return reader_.is_sent_whole(); }
   /// The first chunk that is missing.
   std::uint64_t next_chunk() const noexcept { return reader_.next_chunk(); }
   const std::string& mesh_id() const noexcept { return reader_.told().mesh_id; }

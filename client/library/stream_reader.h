@@ -50,6 +50,8 @@ class StreamReader {
   const std::optional<v1::MeshProgress>& planning() const noexcept { return planning_; }
 
   bool has_header() const noexcept { return has_header_; }
+  /// Whether the header said that nothing is kept of a base.
+  bool is_sent_whole() const noexcept { return has_header_ && !keeps_parts_; }
   /// All but the columns: of the header once there is one, of the trailer once complete.
   const StreamedMesh& told() const noexcept { return told_; }
   StreamedMesh& told() noexcept { return told_; }

@@ -315,12 +315,13 @@ Planner::Attempt Planner::plan_in_turn(const Job& job,
   const OnCancel link(callers, [&stopped] { stopped.cancel(); });
   MeshLimits limits = limits_;
   limits.max_plan_bytes = std::min(limits.max_plan_bytes, turn.bytes);
+  const std::shared_ptr<const MeshPlan> earlier = before.earlier.lock();
   Attempt made{plan_mesh({.shape = job.shape,
                           .request = job.order.request,
                           .limits = limits,
                           .progress = &job.watch->progress,
                           .surveyed = before.blocks,
-                          .earlier = before.earlier.get(),
+                          .earlier = earlier.get(),
                           .replaced = before.replaced.get()},
                          stopped)};
   if (made.plan.ok()) return made;

@@ -66,7 +66,7 @@ bool MeshStream::find_stored() {
 /// whoever resumes has patches already, and chunks of the whole mesh are no use beside them:
 /// where the base cannot be had at this moment alone, the client is to ask once more.
 void MeshStream::plan() {
-  if (order_.base_digest.empty()) return plan_mesh(nullptr);
+  if (order_.base_digest.empty()) return plan_mesh();
   MeshOrder base = order_.mesh;
   base.digest = order_.base_digest;
   engine_.planner.plan(call_.client(), std::move(base), watch_,
@@ -76,21 +76,33 @@ void MeshStream::plan() {
                          }
                          const bool found =
                              planned.ok() && planned->mesh_id == self->order_.base_mesh_id;
-                         self->guard([&] { self->plan_mesh(found ? planned->plan : nullptr); });
+                         if (found) self->base_ = planned->plan;
+                         self->guard([&] { self->plan_mesh(); });
                        });
 }
 
-void MeshStream::plan_mesh(std::shared_ptr<const MeshPlan> base) {
+void MeshStream::plan_mesh() {
   engine_.planner.plan(call_.client(), order_.mesh, watch_,
-                       [self = self(), base](absl::StatusOr<PlannedMesh> planned) {
+                       [self = self()](absl::StatusOr<PlannedMesh> planned) {
+                         if (self->gives_up_base(planned.status())) {
+                           return self->guard([&] { self->plan_mesh(); });
+                         }
                          if (!planned.ok()) return self->begin(planned.status());
                          self->planned_ = *std::move(planned);
-                         self->guard([&] { self->find_patches(base); });
+                         self->guard([&] { self->find_patches(); });
                        },
-                       {.earlier = base});
+                       {.earlier = base_});
 }
 
-void MeshStream::find_patches(const std::shared_ptr<const MeshPlan>& base) {
+/// Whether the mesh is to be planned once more, without the base: there may never be room for
+/// both. Patches that the client has would be of no use then.
+bool MeshStream::gives_up_base(const absl::Status& failure) {
+  if (order_.start_chunk > 0 || !has_retry(failure)) return false;
+  return std::exchange(base_, nullptr) != nullptr;
+}
+
+void MeshStream::find_patches() {
+  const std::shared_ptr<const MeshPlan> base = std::exchange(base_, nullptr);
   source_ = {planned_.plan, nullptr, order_.encoding};
   source_.patch =
       MeshPatch::between(as_bricks(base), as_bricks(planned_.plan), watch_->cancellation);

@@ -40,8 +40,9 @@ class MeshStream final : public ChunkStream {
   bool find_stored();
   void plan();
   absl::Status reserve_for_fidelity();
-  void plan_mesh(std::shared_ptr<const MeshPlan> base);
-  void find_patches(const std::shared_ptr<const MeshPlan>& base);
+  void plan_mesh();
+  bool gives_up_base(const absl::Status& failure);
+  void find_patches();
   const std::string& mesh_id() const;
   absl::Status check_mesh() const;
   absl::StatusOr<ChunkMessage> read(std::uint64_t index, Block block);
@@ -54,6 +55,7 @@ class MeshStream final : public ChunkStream {
   StreamOrder order_;
   // Only the task that plans touches these until there are chunks.
   std::shared_ptr<const StoredMesh> stored_;  ///< null: the chunks are made
+  std::shared_ptr<const MeshPlan> base_;      ///< null: the mesh is sent whole
   PlannedMesh planned_;
   ChunkSource source_;
   std::shared_ptr<const void> reserved_;  ///< memory for measuring

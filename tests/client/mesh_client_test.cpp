@@ -1,7 +1,10 @@
 #include "client/library/mesh_client.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <grpc/grpc.h>
@@ -223,6 +226,41 @@ TEST_F(MeshClientTest, BeginsAnUpdateAgainWhereTheBaseIsThereAtOneAttemptAlone) 
   MeshReceiver receiver;
   ASSERT_EQ(receiver.take(chunks[0]), absl::OkStatus());
   EXPECT_EQ(receiver.take(patches[0]).code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(MeshClientTest, GoesOnWithAWholeMeshThoughItsBaseIsThereAgain) {
+  const std::string file = solid_file("sphere", 0.04);
+  const v1::MeshRequest sphere = mesh_of(file);
+  const v1::MeshRequest cavity = mesh_of(solid_file("cavity", 0.04));
+  const auto earlier = client_->stream_mesh(sphere, {}, never_);
+  const auto whole = client_->stream_mesh(cavity, {}, never_);
+  ASSERT_TRUE(earlier.ok() && whole.ok()) << earlier.status() << whole.status();
+  const std::string digest = sphere.name().substr(sphere.name().find('/') + 1);
+  std::vector<std::filesystem::path> stored;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(config_.store)) {
+    const bool is_of_it = entry.path().string().find(digest) != std::string::npos;
+    if (is_of_it && entry.is_regular_file()) stored.push_back(entry.path());
+  }
+  ASSERT_FALSE(stored.empty());
+  for (const auto& path : stored) std::filesystem::remove(path);
+  restart();
+  const std::uint64_t bytes =
+      whole->mesh.positions.bytes().size() + whole->mesh.tets.bytes().size();
+  CuttingProxy proxy(server_->port(), kNoLimit, bytes * 3 / 4);
+  const auto client =
+      MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+  std::vector<std::uint64_t> received;
+  ClientProgress progress;
+  progress.tets = [&](std::uint64_t done, std::uint64_t) {
+    received.push_back(done);
+    if (received.size() > 1) return;
+    EXPECT_EQ(*client_->upload_file(file, {}, never_), sphere.name());
+  };
+  const auto updated = client->update_mesh(cavity, *earlier, progress, never_);
+  ASSERT_TRUE(updated.ok()) << updated.status();
+  EXPECT_TRUE(same_mesh(updated->mesh, whole->mesh));
+  EXPECT_GE(proxy.cuts(), 1);
+  EXPECT_TRUE(std::ranges::is_sorted(received)) << "it began anew";
 }
 
 TEST_F(MeshClientTest, UploadsOverABreakingConnectionWithoutSendingTwiceWhatArrived) {

@@ -40,5 +40,31 @@ TEST_F(UpdateBaseTest, AsksWhoeverResumesAnUpdateToWaitForRoomForItsBase) {
   EXPECT_TRUE(eventually([&] { return end_of(resumed).ok(); })) << "which is no base after all";
 }
 
+// There is room for either grid, whatever else goes on: an update is a whole mesh then.
+TEST_F(UpdateBaseTest, SendsTheWholeMeshWhereItsBaseLeavesNoRoomForIt) {
+  const std::string before = solid_file("sphere", 0.04), after = solid_file("cavity", 0.04);
+  config_.resident_bytes =
+      load_volume(before, "")->size_bytes() + load_volume(after, "")->size_bytes() - 1;
+  start();
+  const auto header_of = [&](const v1::StreamMeshRequest& request) {
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, request);
+    v1::MeshHeader header;
+    for (v1::MeshEvent event; reader->Read(&event);) {
+      if (event.has_header()) header = event.header();
+    }
+    const grpc::Status status = reader->Finish();
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return header;
+  };
+  const v1::MeshRequest sphere = mesh_of(before);
+  v1::StreamMeshRequest update = stream_of(mesh_of(after));
+  update.set_base_mesh_id(header_of(stream_of(sphere)).mesh_id());
+  update.set_base_name(sphere.name());
+  const v1::MeshHeader header = header_of(update);
+  EXPECT_GT(header.chunk_count(), 0);
+  EXPECT_FALSE(header.has_kept());
+}
+
 }  // namespace
 }  // namespace tet::test
