@@ -77,7 +77,7 @@ absl::Status check_plan_budget(const FoundBricks& found, std::size_t most) {
 }
 
 absl::Status check_survey_budget(std::size_t bricks,
-                                 std::uint64_t more_bytes,
+                                 const RareBytes& beside,
                                  const MeshedSpace& space) {
   const std::size_t most = space.most_bricks;
   if (bricks > most) {
@@ -87,12 +87,13 @@ absl::Status check_survey_budget(std::size_t bricks,
         most));
   }
   const std::uint64_t per_brick = survey_bytes_per_brick(space.rules);
-  if (more_bytes <= (most - bricks) * per_brick) return absl::OkStatus();
+  const std::uint64_t room = (most - bricks) * per_brick;
+  if (beside.parts + beside.thin <= room) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
-      "the surface has so many parts and thin walls that counting a mesh takes more than the "
-      "%d bytes that there are for it. Use a larger spacing or a smaller box, or mesh without "
-      "statistics",
-      most * per_brick));
+      "the surface has so many %s that counting a mesh takes more than the %d bytes that there "
+      "are for it. Use a larger spacing or a smaller box%s",
+      beside.parts > 0 ? "parts and thin walls" : "thin walls", most * per_brick,
+      beside.thin <= room ? ", or mesh without statistics" : ""));
 }
 
 absl::Status check_domain_budget(const BrickBox& domain, int levels, const MeshLimits& limits) {

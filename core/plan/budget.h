@@ -43,11 +43,17 @@ absl::Status check_inside_budget(const FoundBricks& found,
 /// A surface for which there are more than `most` bricks to look at.
 absl::Status check_plan_budget(const FoundBricks& found, std::size_t most);
 
+/// What a survey keeps beside its bricks, bytes.
+struct RareBytes {
+  std::uint64_t parts = 0;  ///< of the surface; none where statistics are skipped
+  std::uint64_t thin = 0;   ///< walls
+};
+
 /// A survey that found more to keep than the space lets it: more bricks, which only this tells
 /// where the lattice is not the voxels' own; or, beside them, so many parts of the surface and
-/// thin walls that their `more_bytes` are as many as the rest of the bricks would take.
+/// thin walls that they take as much as the rest of the bricks would.
 absl::Status check_survey_budget(std::size_t bricks,
-                                 std::uint64_t more_bytes,
+                                 const RareBytes& beside,
                                  const MeshedSpace& space);
 
 /// An improvement for which the mesh could not be kept.

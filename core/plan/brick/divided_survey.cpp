@@ -61,7 +61,13 @@ std::optional<Survey> find_block(const PreparedMesh& prepared,
                                  const std::vector<BrickCoord>& bricks) {
   const auto bytes = surveyed.find(block);
   if (!bytes) return std::nullopt;
-  return read_survey(*bytes, bricks, prepared.space.rules.both_sides);
+  auto survey = read_survey(*bytes, bricks, prepared.space.rules.both_sides);
+  if (survey && prepared.space.skip_topology) {
+    survey->counts.clear();
+    survey->sheets.clear();
+    survey->parts.clear();
+  }
+  return survey;
 }
 
 }  // namespace
@@ -111,9 +117,8 @@ absl::StatusOr<Survey> join_survey(const PreparedMesh& prepared,
     return survey_bricks(prepared.field, bricks, prepared.space, cancellation, progress);
   }
   MeshedSpace space = prepared.space;
-  space.skip_topology = false;  // blocks have it
   Survey survey;
-  survey.has_topology = true;
+  survey.has_topology = !space.skip_topology;
   RareFindings rare;
   const std::size_t blocks = blocks_of(bricks.size(), surveyed.block_bricks);
   for (std::size_t block = 0; block < blocks; ++block) {

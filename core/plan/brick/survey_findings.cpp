@@ -104,11 +104,11 @@ void add_findings(std::span<const BrickCoord> candidates,
   add_run();
 }
 
-std::uint64_t RareFindings::bytes_of(const Survey& survey) noexcept {
+RareBytes RareFindings::bytes_of(const Survey& survey) noexcept {
   for (; counted_ < survey.parts.size(); ++counted_) {
     parts_bytes_ += survey.parts[counted_].parts->bytes();
   }
-  return parts_bytes_ + survey.thin.size() * sizeof(ThinBrick);
+  return {parts_bytes_, survey.thin.size() * sizeof(ThinBrick)};
 }
 
 std::uint64_t count_kept(const KeptGeometry& geometry) noexcept {

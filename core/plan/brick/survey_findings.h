@@ -11,6 +11,7 @@
 
 #include "core/base/cancel.h"
 #include "core/plan/brick/survey.h"
+#include "core/plan/budget.h"
 
 namespace tet {
 
@@ -58,7 +59,7 @@ void add_findings(std::span<const BrickCoord> candidates,
 class RareFindings {
  public:
   /// Memory that they take; each is looked at once.
-  std::uint64_t bytes_of(const Survey& survey) noexcept;
+  RareBytes bytes_of(const Survey& survey) noexcept;
 
  private:
   std::size_t counted_ = 0;

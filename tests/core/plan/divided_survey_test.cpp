@@ -15,6 +15,7 @@
 #include "tests/core/plan/meshing.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/solids.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet::divided_survey_test {
 namespace {
@@ -163,6 +164,27 @@ TEST(DividedSurvey, SurvivesEveryChangedByte) {
       }
     }
     byte = was;
+  }
+}
+
+// Blocks tell of a surface's parts, whoever puts them together.
+TEST(DividedSurvey, KeepsNothingOfTopologyWhereNobodyAsks) {
+  const auto blobs = [](VoxelCoord v) {
+    return v.x % 2 == 0 && v.y % 2 == 0 && v.z % 2 == 0 ? -1.0F : 1.0F;
+  };
+  Input input{"blobs", std::make_shared<const Volume>(
+                           test::dense_volume({{0, 0, 0}, {63, 63, 63}}, 1, blobs))};
+  input.request.skip_statistics = true;
+  const std::vector<Block> blocks = survey_all(input);
+  // Too few bytes for the parts.
+  const MeshLimits limits{.max_plan_bytes = 2'600'000};
+  for (const auto& surveyed : {found_among({blocks.begin(), blocks.end()}), SurveyedBlocks()}) {
+    const auto made = plan_mesh({.shape = input.volume,
+                                 .request = input.request,
+                                 .limits = limits,
+                                 .surveyed = surveyed});
+    ASSERT_TRUE(made.ok()) << made.status();
+    EXPECT_FALSE((*made)->boundary());
   }
 }
 

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/plan/budget.h"
 #include "core/plan/make/plan_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/conformity.h"
@@ -18,6 +19,7 @@ namespace tet {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 absl::Status refusal_of(Volume volume, const MeshRequest& request, const MeshLimits& limits) {
   return plan_mesh({.shape = std::make_shared<const Volume>(std::move(volume)),
@@ -138,6 +140,18 @@ TEST(LatticeLimits, ThePartsOfASurfaceCountForItsMemory) {
   EXPECT_THAT(std::string(refused.message()), HasSubstr("so many parts"));
   request.skip_statistics = true;
   EXPECT_EQ(refusal_of(volume, request, limits), absl::OkStatus());
+}
+
+TEST(LatticeLimits, MeshingWithoutStatisticsIsAdvisedWhereItHelps) {
+  MeshedSpace space;
+  space.most_bricks = 100;
+  const auto advice = [&](const RareBytes& beside) {
+    return std::string(check_survey_budget(50, beside, space).message());
+  };
+  EXPECT_THAT(advice({.parts = 1'000'000, .thin = 10}), HasSubstr("without statistics"));
+  EXPECT_THAT(advice({.parts = 10, .thin = 1'000'000}), Not(HasSubstr("without statistics")));
+  EXPECT_THAT(advice({.thin = 1'000'000}), HasSubstr("so many thin walls that"));
+  EXPECT_EQ(advice({.parts = 10, .thin = 10}), "");
 }
 
 }  // namespace
