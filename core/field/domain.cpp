@@ -111,6 +111,23 @@ absl::StatusOr<BrickBox> whole_bricks(const absl::StatusOr<LatticeBox>& asked,
 
 }  // namespace
 
+absl::Status check_voxel_reach(const BrickBox& domain,
+                               const std::array<double, 3>& spacing_voxels) {
+  constexpr double kMostVoxels = 2.0 * kMaxVoxelCoord;
+  const std::array<std::int32_t, 3> min{domain.min.x, domain.min.y, domain.min.z},
+      max{domain.max.x, domain.max.y, domain.max.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double reach = std::max(std::abs(1.0 * min[axis]), std::abs(max[axis] + 1.0)) *
+                         kBrickEdge * spacing_voxels[axis];
+    if (reach <= kMostVoxels) continue;
+    return absl::InvalidArgumentError(
+        absl::StrFormat("what is meshed reaches %g voxels from the first one; the limit is %g. "
+                        "Use a nearer box",
+                        reach, kMostVoxels));
+  }
+  return absl::OkStatus();
+}
+
 VoxelBox stored_box(const Volume& volume) {
   StoredBox stored;
   for (const BrickCoord brick : volume.bricks) stored.add(brick);
@@ -135,7 +152,12 @@ VoxelBox stored_box(const Volume& volume) {
 absl::StatusOr<BrickBox> mesh_domain(const PhiField& field,
                                      const std::optional<WorldBox>& box) {
   if (!box && field.volume == nullptr) return reached_bricks(field);
-  return whole_bricks(box ? lattice_box(field, *box) : all_that_is_stored(field), "box");
+  absl::StatusOr<BrickBox> domain =
+      whole_bricks(box ? lattice_box(field, *box) : all_that_is_stored(field), "box");
+  if (!domain.ok() || field.scene != nullptr) return domain;
+  const double spacing = field.spacing_voxels;
+  if (auto s = check_voxel_reach(*domain, {spacing, spacing, spacing}); !s.ok()) return s;
+  return domain;
 }
 
 absl::StatusOr<BrickBox> reached_bricks(const PhiField& field) {

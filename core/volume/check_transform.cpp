@@ -97,15 +97,18 @@ double voxel_edge(const VoxelTransform& transform) noexcept {
 }
 
 absl::Status check_transform(const VoxelTransform& transform) {
+  constexpr double kShortestEdge = 1e-60, kLongestEdge = 1e60;  // their cubes are doubles by far
   const auto& at = transform.translation;
   const auto edges = voxel_edges(transform);
-  const bool finite =
+  const bool usable =
       std::all_of(at.begin(), at.end(), [](double x) { return std::isfinite(x); }) &&
-      std::all_of(edges.begin(), edges.end(), [](double x) { return std::isnormal(x * x); });
-  if (!finite) {
+      std::all_of(edges.begin(), edges.end(),
+                  [](double x) { return x >= kShortestEdge && x <= kLongestEdge; });
+  if (!usable) {
     return absl::FailedPreconditionError(absl::StrFormat(
-        "its transform is not usable: voxels of %g x %g x %g, translation (%g, %g, %g)",
-        edges[0], edges[1], edges[2], at[0], at[1], at[2]));
+        "its transform is not usable: voxels of %g x %g x %g, of which no edge may be shorter "
+        "than %g or longer than %g, translation (%g, %g, %g)",
+        edges[0], edges[1], edges[2], kShortestEdge, kLongestEdge, at[0], at[1], at[2]));
   }
   if (absl::Status s = check_shape(transform); !s.ok()) return s;
   const double edge = voxel_edge(transform);

@@ -9,6 +9,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/field/domain.h"
 #include "core/plan/labelled/label_domain.h"
 #include "core/plan/labelled/label_numbers.h"
 #include "core/plan/labelled/label_plan.h"
@@ -116,24 +117,6 @@ absl::StatusOr<BrickBox> bricks_of_image(const LatticeAxes& axes,
   return BrickBox{{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
 
-/// A lattice far from the image, or an image far from the origin, has voxels that no 32 bits
-/// count.
-absl::Status check_reach(const BrickBox& domain, const std::array<double, 3>& spacing_voxels) {
-  constexpr double kMostVoxels = 2.0 * kMaxVoxelCoord;
-  const std::array<std::int32_t, 3> min{domain.min.x, domain.min.y, domain.min.z},
-      max{domain.max.x, domain.max.y, domain.max.z};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double reach = std::max(std::abs(1.0 * min[axis]), std::abs(max[axis] + 1.0)) *
-                         kBrickEdge * spacing_voxels[axis];
-    if (reach <= kMostVoxels) continue;
-    return absl::InvalidArgumentError(
-        absl::StrFormat("what is meshed reaches %g voxels from the first one; the limit is %g. "
-                        "Use a nearer box",
-                        reach, kMostVoxels));
-  }
-  return absl::OkStatus();
-}
-
 std::shared_ptr<const LabelVoxels> voxels_on(const LatticeAxes& axes,
                                              const LabelVolume& volume,
                                              std::shared_ptr<const VolumeLabels> labels) {
@@ -170,7 +153,7 @@ absl::StatusOr<LabelJob> make_label_job(const PlanJob& job) {
   out.lattice = lattice_along(axes.voxels, asked->spacing);
   const auto domain = label_domain(*image, "image", out.lattice, job.request);
   if (!domain.ok()) return domain.status();
-  if (auto s = check_reach(*domain, rules.spacing_voxels); !s.ok()) return s;
+  if (auto s = check_voxel_reach(*domain, rules.spacing_voxels); !s.ok()) return s;
   out.domain = *domain;
   out.source = std::make_shared<const IndicatorLabels>(
       voxels_on(axes, *volume,

@@ -142,6 +142,18 @@ TEST(LatticeLimits, ThePartsOfASurfaceCountForItsMemory) {
   EXPECT_EQ(refusal_of(volume, request, limits), absl::OkStatus());
 }
 
+// Its lattice coordinates have 32 bits, and its voxels' would have more.
+TEST(LatticeLimits, ABoxTooFarAwayForItsVoxelsIsRefused) {
+  MeshRequest request;
+  request.preset = Preset::kBothSides;
+  request.spacing = 200;
+  const double far = std::ldexp(200.0, 27);
+  request.box = WorldBox{{far, 0, 0}, {far + 1e4, 1e4, 1e4}};
+  const absl::Status refused = refusal_of(ball_at(0), request, {});
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("Use a nearer box"));
+}
+
 TEST(LatticeLimits, MeshingWithoutStatisticsIsAdvisedWhereItHelps) {
   MeshedSpace space;
   space.most_bricks = 100;
