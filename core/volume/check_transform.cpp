@@ -97,7 +97,8 @@ double voxel_edge(const VoxelTransform& transform) noexcept {
 }
 
 absl::Status check_transform(const VoxelTransform& transform) {
-  constexpr double kShortestEdge = 1e-60, kLongestEdge = 1e60;  // their cubes are doubles by far
+  constexpr double kShortestEdge = 1e-60,
+                   kLongestEdge = 1e60;  // their cubes are doubles by far
   const auto& at = transform.translation;
   const auto edges = voxel_edges(transform);
   const bool usable =
