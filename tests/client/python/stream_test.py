@@ -98,7 +98,8 @@ def test_is_stopped_by_what_progress_raises():
     told = []
 
     def stop_once(fraction):
-        told.append(fraction)
+        if fraction > 0:  # while the header is waited for, 0 may be told
+            told.append(fraction)
         if len(told) == 1:
             raise RuntimeError("enough")
 
