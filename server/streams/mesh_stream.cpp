@@ -1,5 +1,6 @@
 #include "server/streams/mesh_stream.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -167,8 +168,12 @@ absl::Status MeshStream::check_mesh() const {
       "OTHER_MESH");
 }
 
+/// Whoever resumes may have more patches of an update than the whole mesh has chunks. Where the
+/// base is not here any more, the header says so, and the client asks for all of them.
 void MeshStream::begin(const absl::Status& planned) {
-  begin_chunks(planned, order_.start_chunk, order_.end_chunk);
+  std::uint64_t start = order_.start_chunk;
+  if (planned.ok() && !order_.base_digest.empty()) start = std::min(start, chunk_count());
+  begin_chunks(planned, start, order_.end_chunk);
 }
 
 /// How long planning took, and what of.

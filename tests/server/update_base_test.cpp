@@ -1,4 +1,7 @@
 // Updates whose base cannot be had when they are resumed.
+#include <cstdint>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +67,32 @@ TEST_F(UpdateBaseTest, SendsTheWholeMeshWhereItsBaseLeavesNoRoomForIt) {
   const v1::MeshHeader header = header_of(update);
   EXPECT_GT(header.chunk_count(), 0);
   EXPECT_FALSE(header.has_kept());
+}
+
+/// A base that is gone when an update of more patches than the mesh has chunks is resumed.
+TEST_F(UpdateBaseTest, TellsWhoeverResumesBehindTheLastChunkThatItsBaseIsGone) {
+  start();
+  v1::StreamMeshRequest resumed = stream_of(mesh_of(solid_file("cavity", 0.1)));
+  resumed.set_base_mesh_id("another's");
+  resumed.set_base_name("grids/" + std::string(64, '0'));
+  const auto header_of = [&](std::int64_t first) {
+    resumed.set_start_chunk(first);
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, resumed);
+    v1::MeshHeader header;
+    for (v1::MeshEvent event; reader->Read(&event);) {
+      if (event.has_header()) header = event.header();
+      EXPECT_FALSE(event.has_chunk() && first > 0);
+    }
+    const grpc::Status end = reader->Finish();
+    EXPECT_TRUE(end.ok()) << end.error_message();
+    return header;
+  };
+  const v1::MeshHeader whole = header_of(0);
+  ASSERT_GT(whole.chunk_count(), 0);
+  const v1::MeshHeader told = header_of(whole.chunk_count() + 1);
+  EXPECT_EQ(told.mesh_id(), whole.mesh_id());
+  EXPECT_FALSE(told.has_kept());
 }
 
 }  // namespace
