@@ -98,7 +98,9 @@ async def _run(on_cancel: Callable[[], object] | None, call: Callable[..., R], *
     try:
         return await _told(telling, asyncio.shield(work))
     except asyncio.CancelledError:
-        (on_cancel or stop.request)()
+        stop.request()  # for calls within the work, which `on_cancel` does not know
+        if on_cancel is not None:
+            on_cancel()
         await asyncio.wait([work])
         if not work.cancelled():
             work.exception()  # of a work that was stopped: nobody else will ask

@@ -10,7 +10,7 @@ from ._errors import Error, NotFoundError
 from ._job import FINAL, EventSource, JobBackend, JobEvent, JobFilter
 
 Left = Callable[[], float | None]
-Again = Callable[[], tuple[list[JobEvent], EventSource]]
+Again = Callable[[int], tuple[list[JobEvent], EventSource | None] | None]
 
 
 class JobWatch:
@@ -27,31 +27,36 @@ class JobWatch:
         pending: set[str] | None,
         past: Iterable[JobEvent] = (),
         again: Again | None = None,
+        seen: int = 0,
     ) -> None:
-        """`past` comes before the source. `again` has both for a source whose past is forgotten in part."""
+        """`past` comes before the source, which begins behind the revision `seen`. `again` has both where the source's
+        past is forgotten in part: what came behind a revision, or nothing where that cannot be had."""
         self._source = source
         self._names = None if pending is None else frozenset(pending)
         self._pending = pending
         self._past = collections.deque(past)
         self._again = again
+        self._seen = seen
+        self._closed = False
 
     def __iter__(self) -> Iterator[JobEvent]:
         return self
 
     def __next__(self) -> JobEvent:
-        if self._past:
-            return self._past.popleft()
-        while self._source is not None and (self._pending is None or self._pending):
+        while not self._closed:
+            if self._past:
+                return self._past.popleft()
+            if self._source is None or (self._pending is not None and not self._pending):
+                break
             try:
                 event = self._source.next()
             except Error as error:
-                if self._again is None or error.reason != "REVISION_COMPACTED":
+                if error.reason != "REVISION_COMPACTED" or not self._begin_again():
                     raise
-                self._begin_again(self._again)
-                return next(self)
+                continue
             if event is None:
                 break
-            self._again = None  # what came does not come twice
+            self._seen = event.revision
             if self._names is not None and event.name not in self._names:
                 continue
             if self._pending is not None and _is_over(event):
@@ -60,14 +65,20 @@ class JobWatch:
         self.close()
         raise StopIteration
 
-    def _begin_again(self, again: Again) -> None:
-        self._again = None
-        past, self._source = again()
+    def _begin_again(self) -> bool:
+        """Goes on behind what was seen last, where that can be."""
+        begun = None if self._again is None else self._again(self._seen)
+        if begun is None:
+            return False
+        past, self._source = begun
         self._past.extend(past)
+        if self._closed and self._source is not None:  # while the source was not there to be closed
+            self._source.close()
+        return True
 
     def close(self) -> None:
         """Ends it. Any thread may call it."""
-        self._past.clear()
+        self._closed = True
         if self._source is not None:
             self._source.close()
 
@@ -85,12 +96,14 @@ def watch_all(backend: JobBackend, after: int | None, left: Left) -> JobWatch:
     if after is None:
         after = _newest(backend, left)
 
-    def again() -> tuple[list[JobEvent], EventSource]:
+    def again(seen: int) -> tuple[list[JobEvent], EventSource | None] | None:
+        if seen > 0:
+            return None  # what came since then, of jobs that are gone
         jobs, now = backend.list(JobFilter({}, (), "", 0), left())
-        told = [event for job in jobs for event in _told(backend, job.name, job.version, now, left)]
-        return _sorted(told), backend.watch("", now, left())
+        told = [event for job in jobs for event in _told(backend, job.name, job.version, left)]
+        return _between(0, told, now), backend.watch("", now, left())
 
-    return JobWatch(backend.watch("", after, left()), None, again=again if after == 0 else None)
+    return JobWatch(backend.watch("", after, left()), None, again=again, seen=after)
 
 
 def watch_some(backend: JobBackend, names: Iterable[str], after: int | None, left: Left) -> JobWatch:
@@ -98,21 +111,46 @@ def watch_some(backend: JobBackend, names: Iterable[str], after: int | None, lef
     long as there is the job, and says whether its end comes or has come before."""
     now = _newest(backend, left)
     begin = now if after is None else after
+    each = dict.fromkeys(names)
+    past: list[JobEvent] = []
+    if begin >= now:
+        pending = {name for name in each if not backend.get(name, left()).done}
+    else:
+        past, pending = _past_of(backend, each, begin, now, left)
+
+    def again(seen: int) -> tuple[list[JobEvent], EventSource | None]:
+        now = _newest(backend, left)
+        missed, still = _past_of(backend, sorted(pending), seen, now, left)
+        pending.intersection_update(still)
+        return missed, _source(backend, pending, now, left)
+
+    begin = max(begin, now)
+    return JobWatch(_source(backend, pending, begin, left), pending, past, again, begin)
+
+
+def _source(backend: JobBackend, pending: set[str], after: int, left: Left) -> EventSource | None:
+    """Of all jobs where several are waited for."""
+    if not pending:
+        return None
+    return backend.watch(next(iter(pending)) if len(pending) == 1 else "", after, left())
+
+
+def _past_of(
+    backend: JobBackend, names: Iterable[str], begin: int, now: int, left: Left
+) -> tuple[list[JobEvent], set[str]]:
+    """What has happened to jobs behind one revision and up to another, and which of them are not at their ends then."""
     past: list[JobEvent] = []
     pending: set[str] = set()
-    for name in dict.fromkeys(names):
-        if begin >= now:
-            is_over = backend.get(name, left()).done
-        else:
-            told = _told(backend, name, _version(backend, name, left), now, left)
-            past += [event for event in told if event.revision > begin]
-            is_over = bool(told) and _is_over(told[-1])
-        if not is_over:
+    for name in names:
+        version = _version(backend, name, left)
+        told = _told(backend, name, version, left)
+        known = _between(0, told, now)
+        past += _between(begin, known, now)
+        # A job that is gone may have nothing to tell of its end. Where it has, that may have come after `now`.
+        more_comes = version is not None or len(told) > len(known)
+        if more_comes and not (known and _is_over(known[-1])):
             pending.add(name)
-    if not pending:
-        return JobWatch(None, pending, _sorted(past))
-    only = next(iter(pending)) if len(pending) == 1 else ""
-    return JobWatch(backend.watch(only, max(begin, now), left()), pending, _sorted(past))
+    return _between(begin, past, now), pending
 
 
 def _newest(backend: JobBackend, left: Left) -> int:
@@ -128,8 +166,8 @@ def _version(backend: JobBackend, name: str, left: Left) -> int | None:
         return None
 
 
-def _told(backend: JobBackend, name: str, version: int | None, now: int, left: Left) -> list[JobEvent]:
-    """All that has happened until now to a job of this version; without one, until it was deleted."""
+def _told(backend: JobBackend, name: str, version: int | None, left: Left) -> list[JobEvent]:
+    """All that has happened to a job of this version, and maybe more; without a version, until it was deleted."""
     told: list[JobEvent] = []
     source = backend.watch(name, 0, left())
     try:
@@ -139,12 +177,14 @@ def _told(backend: JobBackend, name: str, version: int | None, now: int, left: L
                 break
     finally:
         source.close()
-    return [event for event in told if event.revision <= now]
+    return told
 
 
 def _is_over(event: JobEvent) -> bool:
     return event.state in FINAL or event.change == "deleted"
 
 
-def _sorted(events: list[JobEvent]) -> list[JobEvent]:
-    return sorted(events, key=lambda event: event.revision)
+def _between(after: int, events: Iterable[JobEvent], now: int) -> list[JobEvent]:
+    """Those behind one revision and up to another, in their order."""
+    wanted = (event for event in events if after < event.revision <= now)
+    return sorted(wanted, key=lambda event: event.revision)

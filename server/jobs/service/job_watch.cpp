@@ -54,7 +54,8 @@ void JobWatch::subscribe() {
   if (!ended()) subscription_ = std::move(subscription);
 }
 
-/// A job that was deleted has its last events still, and nobody else's.
+/// A job that was deleted has its last events still, and nobody else's. One that was purged has
+/// them for a moment, and none of them says that it was deleted.
 absl::Status JobWatch::find_job(const std::string& name) {
   if (name.empty()) return absl::OkStatus();
   const auto job = shared_.find(query_.space, name);
@@ -62,7 +63,10 @@ absl::Status JobWatch::find_job(const std::string& name) {
   query_.job = *parse_job_name(name);
   if (job.ok()) return absl::OkStatus();
   const auto left = shared_.jobs.watch(query_);
-  return left.ok() && !left->events.empty() ? absl::OkStatus() : job.status();
+  if (!left.ok() || left->events.empty()) return job.status();
+  const std::lock_guard lock(mutex_);
+  gone_ = true;
+  return absl::OkStatus();
 }
 
 void JobWatch::news() {
@@ -80,7 +84,7 @@ void JobWatch::read() {
     const std::lock_guard lock(mutex_);
     reading_ = false;
     if (!page.ok()) {
-      end(page.status());
+      end(gone_ && absl::IsNotFound(page.status()) ? absl::OkStatus() : page.status());
     } else {
       query_.after_revision = page->revision;
       news_ = news_ || std::ssize(page->events) == kEventsPerPage;
@@ -106,6 +110,8 @@ bool JobWatch::prepare() {
   } else if (!reading_ && std::exchange(news_, false)) {
     reading_ = true;
     shared_.threads.post(call_.client(), [self = self()] { self->read(); });
+  } else if (gone_ && !reading_) {
+    end(absl::OkStatus());
   }
   return false;
 }

@@ -60,6 +60,7 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>, public Str
   bool news_ = true;  ///< there may be more to read
   bool reading_ = false;
   bool deleted_ = false;  ///< no event comes after the last of `events_`
+  bool gone_ = false;     ///< there was no such job to begin with, only events of it
   std::int64_t written_ = 0;
 };
 

@@ -8,7 +8,9 @@ import pytest
 import running_server
 import tetstream as ts
 from conftest import assert_same, make_ball
+from jobs_test import Played
 from stream_test import Gathered
+from tetstream._request import stop_of_context
 
 
 @pytest.fixture(params=["here", "served"])
@@ -130,6 +132,33 @@ def test_a_wait_that_is_cancelled_ends(address):
         await client.jobs.cancel(job)
 
     asyncio.run(work())
+
+
+class Unlisted(Played):
+    """Jobs that are listed only once the call is stopped."""
+
+    stopped = False
+
+    def list(self, jobs, timeout):
+        self.asked.set()
+        running_server.wait_until(lambda: stop_of_context.get().requested)
+        self.stopped = True
+        raise ts.CancelledError("the call was cancelled", ts.StatusCode.CANCELLED)
+
+
+def test_a_watch_that_is_cancelled_while_it_begins_again_ends():
+    played = Unlisted(0)
+
+    async def work():
+        watch = ts.AsyncJobWatch(ts.Jobs(played).watch(after=0))
+        reading = asyncio.create_task(watch.__anext__())
+        assert await asyncio.to_thread(played.asked.wait, running_server.GENEROUS_END)
+        reading.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await reading
+
+    asyncio.run(work())
+    assert played.stopped
 
 
 def test_errors_are_raised_where_they_are_awaited(address):

@@ -5,6 +5,7 @@ import datetime
 import itertools
 import sqlite3
 import time
+import threading
 
 import pytest
 
@@ -116,6 +117,107 @@ def test_what_is_known_is_told_once_a_job_is_forgotten(tmp_path):
 
 
 def test_a_cancelled_job_is_tried_again(client):
+def test_a_watch_of_a_job_that_was_purged_ends(tmp_path):
+    """A purge takes the job before its events, and tells of no end."""
+    store = tmp_path / "store"
+    with running_server.RunningServer(store) as server, ts.Client(server.address) as client:
+        jobs = client.jobs.wait_all([client.jobs.submit(PART, spacing=spacing) for spacing in (0.3, 0.2)])
+        whole = seen_of(client, jobs, after=0)
+        with contextlib.closing(sqlite3.connect(store / "jobs.sqlite", isolation_level=None)) as rows:
+            rows.execute("DELETE FROM jobs WHERE id = ?", [jobs[0].name.removeprefix("jobs/")])
+        assert seen_of(client, jobs[0], after=0) == {jobs[0].name: whole[jobs[0].name]}
+        assert seen_of(client, jobs, after=0) == whole
+
+
+class Played:
+    """Two jobs whose first changes are forgotten while they are watched together, after `told` of them were told. The
+    last one comes when all others are known."""
+
+    def __init__(self, told):
+        self.told = told
+        self.now = 1
+        self.sources = []
+        self.asked, self.answers = threading.Event(), threading.Event()
+        self.answers.set()
+        self.events = [self._event(2, "jobs/1", 1, "queued"), self._event(3, "jobs/2", 1, "queued"),
+                       self._event(4, "jobs/1", 2, "succeeded"), self._event(5, "jobs/2", 2, "running"),
+                       self._event(6, "jobs/2", 3, "succeeded")]
+
+    @staticmethod
+    def _event(revision, name, version, state):
+        return ts.JobEvent(revision, name, version, "started", state, ts.JobProgress(), None)
+
+    def known(self, name=""):
+        return [event for event in self.events if event.revision <= self.now and name in ("", event.name)]
+
+    def get(self, name, timeout):
+        return ts.Job(name, "running", version=len(self.known(name)))
+
+    def list(self, jobs, timeout):
+        self.asked.set()
+        self.answers.wait(running_server.GENEROUS_END)
+        return [self.get(name, timeout) for name in ("jobs/1", "jobs/2")], self.now
+
+    def watch(self, name, after, timeout):
+        self.sources.append(PlayedSource(self, name, after))
+        return self.sources[-1]
+
+
+class PlayedSource:
+    def __init__(self, played, name, after):
+        self.played, self.name, self.after = played, name, after
+        self.left = played.told if not played.sources else None
+        self.closed = False
+
+    def next(self):
+        if self.played.now < 5:
+            self.played.now = 5
+        if self.left == 0:
+            raise ts.Error("forgotten", ts.StatusCode.OUT_OF_RANGE, "REVISION_COMPACTED")
+        event = self._next()
+        if event is None and not self.closed and self.played.now < 6:
+            self.played.now = 6
+            event = self._next()
+        if event is not None:
+            self.after = event.revision
+            self.left = None if self.left is None else self.left - 1
+        return event
+
+    def _next(self):
+        return next((event for event in self.played.known(self.name) if event.revision > self.after), None)
+
+    def close(self):
+        self.closed = True
+
+
+def test_a_watch_of_several_jobs_goes_on_behind_what_is_forgotten():
+    played = Played(1)
+    watch = ts.Jobs(played).watch(["jobs/1", "jobs/2"])
+    assert [event.revision for event in watch] == [2, 3, 4, 5, 6]
+    assert all(source.closed for source in played.sources[1:])
+
+
+def test_a_watch_of_all_jobs_says_what_is_forgotten():
+    watch = ts.Jobs(Played(1)).watch(after=0)
+    assert next(watch).revision == 2
+    with pytest.raises(ts.Error, match="forgotten"):
+        next(watch)
+
+
+def test_a_watch_is_closed_while_it_begins_again():
+    played, rest = Played(0), []
+    watch = ts.Jobs(played).watch(after=0)
+    played.answers.clear()
+    reads = threading.Thread(target=lambda: rest.extend(watch))
+    reads.start()
+    assert played.asked.wait(running_server.GENEROUS_END)
+    watch.close()
+    played.answers.set()
+    reads.join(running_server.GENEROUS_END)
+    assert not reads.is_alive() and rest == []
+    assert all(source.closed for source in played.sources)
+
+
     long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
     cancelled = client.jobs.cancel(long)
     assert client.jobs.wait(long).state == "cancelled"
