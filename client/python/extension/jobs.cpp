@@ -22,8 +22,10 @@ py::object seconds_of(const std::optional<std::chrono::milliseconds>& span) {
   return py::float_(std::chrono::duration<double>(*span).count());
 }
 
+/// Takes a positive number of seconds. What 64 bits do not hold is as good as no end.
 std::optional<std::chrono::milliseconds> span_of(std::optional<double> seconds) {
-  if (!seconds) return std::nullopt;
+  constexpr double kMost = 0x1p63;
+  if (!seconds || !(1000 * *seconds < kMost)) return std::nullopt;
   return std::chrono::milliseconds(static_cast<std::int64_t>(1000 * *seconds));
 }
 

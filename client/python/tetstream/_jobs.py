@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from ._errors import invalid
 from ._job import STATES, Job, JobBackend, JobFilter, JobList, JobOrder, JobState
 from ._job_watch import JobWatch, watch_all, watch_some
 from ._mesh import Mesh
@@ -56,6 +57,9 @@ class Jobs:
         request_id    who asks again with the same one gets the job that is there
         timeout       seconds, for this call
         """
+        for time, seconds in (("ttl", ttl), ("run_timeout", run_timeout)):
+            if seconds is not None and not seconds > 0:
+                raise invalid(f"{time} {seconds} is not positive")
         request = Request._of(volume, spacing=spacing)
         order = JobOrder(display_name, dict(labels or {}), priority, ttl, run_timeout, max_attempts, skip_cache,
                          request_id)

@@ -13,7 +13,7 @@ import uuid
 from . import _tetstream
 from ._backends import Backend
 from ._errors import (CancelledError, DeadlineExceededError, Error, FailedPreconditionError, InternalError,
-                      NotFoundError, StatusCode, invalid)
+                      NotFoundError, StatusCode)
 from ._job import EventSource, Job, JobChange, JobEvent, JobFilter, JobOrder, JobPage, JobProgress
 from ._mesh import Mesh
 from ._request import Progress, Request, options_of, stop_of_context
@@ -53,8 +53,6 @@ class LocalJobs:
 
     def submit(self, request: Request, order: JobOrder, timeout: float | None) -> Job:
         request._wire()  # what is wrong with it is said now
-        if order.ttl is not None and not order.ttl > 0:
-            raise invalid(f"ttl {order.ttl} is not positive")
         with self._changed:
             for entry in self._entries.values():
                 if order.request_id and entry.order.request_id == order.request_id:
@@ -230,7 +228,9 @@ class LocalJobs:
             options.stop = entry.stop
             return Mesh(self._backend.mesh(entry.request, options)), None
         except DeadlineExceededError as error:
-            return None, _expired(entry) if entry.expires <= time.monotonic() else error
+            if entry.expires <= time.monotonic():
+                return None, _expired(entry)
+            return None, error if timeout is None else _timed_out(entry)
         except Error as error:
             return None, error
         except Exception as error:  # of a file that is not there, for instance
@@ -299,7 +299,7 @@ class _Patience:
         if until < math.inf:
             rest = max(0.0, until - time.monotonic())
             left = rest if left is None else min(left, rest)
-        changed.wait(left)
+        changed.wait(None if left is None else min(left, threading.TIMEOUT_MAX))
 
 
 def _now() -> datetime.datetime:
@@ -317,6 +317,11 @@ def _end_of(order: JobOrder) -> float:
 def _expired(entry: _Entry) -> DeadlineExceededError:
     return DeadlineExceededError(f"{entry.job.name} was not finished within its ttl of {entry.order.ttl:g} s",
                                  StatusCode.DEADLINE_EXCEEDED, _EXPIRED)
+
+
+def _timed_out(entry: _Entry) -> DeadlineExceededError:
+    return DeadlineExceededError(f"{entry.job.name} ran for longer than its run_timeout of {entry.order.run_timeout:g} s",
+                                 StatusCode.DEADLINE_EXCEEDED, "JOB_TIMEOUT")
 
 
 def _refusal(message: str, reason: str) -> FailedPreconditionError:

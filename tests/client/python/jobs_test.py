@@ -3,9 +3,10 @@
 import contextlib
 import datetime
 import itertools
+import math
 import sqlite3
-import time
 import threading
+import time
 
 import pytest
 
@@ -116,7 +117,6 @@ def test_what_is_known_is_told_once_a_job_is_forgotten(tmp_path):
         assert forgotten.value.reason == "REVISION_COMPACTED"
 
 
-def test_a_cancelled_job_is_tried_again(client):
 def test_a_watch_of_a_job_that_was_purged_ends(tmp_path):
     """A purge takes the job before its events, and tells of no end."""
     store = tmp_path / "store"
@@ -218,6 +218,7 @@ def test_a_watch_is_closed_while_it_begins_again():
     assert all(source.closed for source in played.sources)
 
 
+def test_a_cancelled_job_is_tried_again(client):
     long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
     cancelled = client.jobs.cancel(long)
     assert client.jobs.wait(long).state == "cancelled"
@@ -270,8 +271,19 @@ def test_a_job_is_stopped_when_it_has_lived_long_enough(client):
     ended = client.jobs.get(long)
     assert ended.state == "expired" and ended.ttl == pytest.approx(0.3)
     assert isinstance(ended.error, ts.DeadlineExceededError) and ended.error.reason == "JOB_EXPIRED"
-    with pytest.raises(ts.InvalidArgumentError, match="ttl"):
-        client.jobs.submit(PART, ttl=-1)
+    long = client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002), run_timeout=0.3)
+    stopped = client.jobs.wait(long)
+    assert stopped.state == "failed" and stopped.run_timeout == pytest.approx(0.3)
+    assert isinstance(stopped.error, ts.DeadlineExceededError) and stopped.error.reason == "JOB_TIMEOUT"
+
+
+@pytest.mark.parametrize("time", ["ttl", "run_timeout"])
+def test_the_times_of_a_job_are_positive(client, time):
+    for seconds in (-1, 0, math.nan, -math.inf):
+        with pytest.raises(ts.InvalidArgumentError, match=time):
+            client.jobs.submit(PART, **{time: seconds})
+    for endless in (math.inf, 1e300):
+        assert client.jobs.wait(client.jobs.submit(PART, spacing=0.3, **{time: endless})).state == "succeeded"
 
 
 def test_a_job_of_this_process_may_expire_before_its_turn():
