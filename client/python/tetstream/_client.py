@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable
 from types import TracebackType
 
 from numpy.typing import ArrayLike
@@ -121,7 +121,7 @@ class Client:
         coordinates: Coordinates = "automatic",
         fields: Fields | None = None,
         labels: LabelRanges | None = None,
-        merge: Sequence[LabelRanges] = (),
+        merge: Iterable[LabelRanges] = (),
         background: Background = "left_out",
         background_label: int = 0,
         label_names: LabelNames | None = None,
@@ -225,7 +225,7 @@ class Client:
         coordinates: Coordinates = "automatic",
         fields: Fields | None = None,
         labels: LabelRanges | None = None,
-        merge: Sequence[LabelRanges] = (),
+        merge: Iterable[LabelRanges] = (),
         background: Background = "left_out",
         background_label: int = 0,
         label_names: LabelNames | None = None,
@@ -283,7 +283,7 @@ class Client:
         coordinates: Coordinates = "automatic",
         fields: Fields | None = None,
         labels: LabelRanges | None = None,
-        merge: Sequence[LabelRanges] = (),
+        merge: Iterable[LabelRanges] = (),
         background: Background = "left_out",
         background_label: int = 0,
         label_names: LabelNames | None = None,

@@ -128,7 +128,7 @@ class Labels:
 
 def choice_of(
     labels: LabelRanges | None,
-    merge: Sequence[LabelRanges],
+    merge: Iterable[LabelRanges],
     background: Background,
     background_label: int,
     label_names: LabelNames | None,

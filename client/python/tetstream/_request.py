@@ -8,7 +8,7 @@ import json
 import math
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -90,7 +90,7 @@ class Request:
     coordinates: Coordinates = "automatic"
     fields: Fields | None = None
     labels: LabelRanges | None = None
-    merge: Sequence[LabelRanges] = ()
+    merge: Iterable[LabelRanges] = ()
     background: Background = "left_out"
     background_label: int = 0
     label_names: LabelNames | None = None
@@ -98,6 +98,11 @@ class Request:
     label_sizes: LabelSizes | None = None
 
     @classmethod
+    def __post_init__(self) -> None:
+        """Iterators are read now: a request may be used more than once."""
+        object.__setattr__(self, "labels", _repeatable(self.labels))
+        object.__setattr__(self, "merge", tuple(_repeatable(merged) for merged in self.merge))
+
     def _of(cls, volume: VolumeLike, **options: Any) -> Request:
         """The request that a call's arguments make; those that were not given have their defaults."""
         if not isinstance(volume, Request):
@@ -154,10 +159,14 @@ _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
 
 
 def _is_given(value: Any, default: Any) -> bool:
+def _repeatable(labels: Any) -> Any:
+    return tuple(labels) if isinstance(labels, Iterator) else labels
+
+
     """Whether an option asks for anything beside its default; neither no merges nor a table of nothing does. Its value may
     be an array, which is equal to nothing as a whole."""
     if isinstance(value, Mapping) or default == ():
-        return len(value) > 0
+        return isinstance(value, Iterator) or len(value) > 0
     return value is not None if default is None else bool(value != default)
 
 

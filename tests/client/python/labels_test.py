@@ -64,6 +64,23 @@ def test_labels_are_chosen_in_several_ways(labels, wanted):
     assert [label.value for label in some.header.labels] == [4, 7]
 
 
+@pytest.mark.parametrize("options", [{"labels": [4, 7]}, {"merge": ["4,7", [1000]]}], ids=["labels", "merge"])
+def test_iterators_of_a_request_are_there_at_each_use(labels, options):
+    plain = ts.mesh(labels, **options)
+    def read_once(values):
+        return (read_once(one) if isinstance(one, list) else one for one in values)
+    request = ts.Request(labels, **{name: read_once(values) for name, values in options.items()})
+    for _ in range(2):
+        assert_same(ts.mesh(request), plain)
+    with ts.Client() as here:
+        once = {name: read_once(values) for name, values in options.items()}
+        job = here.jobs.wait(here.jobs.submit(ts.Request(labels, **once)))
+        assert job.state == "succeeded", job.error
+        assert_same(here.jobs.fetch(job), plain)
+    with pytest.raises(ts.InvalidArgumentError, match="is given beside a Request"):
+        ts.mesh(ts.Request(labels), **{name: read_once(values) for name, values in options.items()})
+
+
 def test_numbers_and_arrays_of_numpy_are_taken(labels, ball):
     for only in (np.int64(7), np.array(7)):
         assert [label.value for label in ts.mesh(labels, labels=only).header.labels] == [7]
