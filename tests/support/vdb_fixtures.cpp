@@ -194,14 +194,23 @@ GridBase::Ptr velocity(double voxel) {
       });
 }
 
-void write_fields(double voxel, const std::string& path) {
+GridBase::Ptr named_sphere(double voxel) {
   const GridBase::Ptr ball = level_set([](const Vec3d& p) { return p.length() - 1; }, voxel);
   ball->setName("sphere");
   ball->setTransform(openvdb::math::Transform::createLinearTransform(voxel));
+  return ball;
+}
+
+void write_fields(double voxel, const std::string& path) {
+  const GridBase::Ptr ball = named_sphere(voxel);
   const GridBase::Ptr count = sampled<openvdb::Int32Grid>("count", 4 * voxel, {0, 0, 0}, 0,
                                                           [](const Vec3d&) { return 1; });
   openvdb::io::File(path).write(
       openvdb::GridCPtrVec{ball, heat(1.5 * voxel), velocity(2 * voxel), count});
+}
+
+void write_flow(double voxel, const std::string& path) {
+  openvdb::io::File(path).write(openvdb::GridCPtrVec{named_sphere(voxel), velocity(2 * voxel)});
 }
 
 /// Voxels of `voxel`, turned about the z axis by 37 degrees and moved.
@@ -277,6 +286,7 @@ void write_fixture(std::string_view kind, double voxel, const std::string& path)
   openvdb::initialize();
   if (kind == "fields") return write_fields(voxel, path);
   if (kind == "parts") return write_parts(voxel, path);
+  if (kind == "flow") return write_flow(voxel, path);
   const auto maker = std::find_if(makers().begin(), makers().end(),
                                   [&](const auto& entry) { return entry.first == kind; });
   if (maker == makers().end()) {

@@ -25,6 +25,9 @@ namespace tet::test {
 /// 0.4, at x = 3, turned about z, in voxels 1.5 times as wide) and "twin" (as two-spheres, in
 /// the voxels of the ball); the density "cloud" (radius 1, at about y = 3, on voxels of its
 /// own); and "velocity", as above, which cannot be meshed.
+///
+/// And "flow", the "sphere" and the "velocity" of "fields": one grid can be meshed, and both
+/// have values.
 std::vector<std::string_view> fixture_kinds();
 
 /// Writes one grid named after its kind, with voxels of `voxel` world units, centred at the

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _tetstream
-from ._errors import FailedPreconditionError, NotFoundError, invalid
+from ._errors import FailedPreconditionError, NotFoundError, StatusCode, invalid
 from ._labels import Labels
 from ._request import Meshable, Request, StoredVolume
 from ._solid import Solid
@@ -21,6 +21,7 @@ from ._uploads import Uploads
 from ._volume import Volume
 
 T = TypeVar("T")
+_Frame = _tetstream.Volume | _tetstream.Scene
 _Used = list[tuple[Meshable, _tetstream.StoredVolume]]  # what was uploaded for a call, and its names
 _STORED = "grids/"
 _HERE = "here/"
@@ -59,7 +60,9 @@ class Backend(Protocol):
     ) -> dict[str, Any]: ...
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session: ...
     def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession: ...
-    def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene: ...
+    def with_frame(
+        self, volume: Meshable, options: _tetstream.Options, work: Callable[[_Frame], T]
+    ) -> T: ...
     def capabilities(self, options: _tetstream.Options) -> Capabilities: ...
     def check_health(self, service: str, options: _tetstream.Options) -> None: ...
 
@@ -77,30 +80,30 @@ class Here:
         with contextlib.suppress(FailedPreconditionError):  # of several grids, or none with an inside
             volume = Volume.from_vdb(path, grid)
         _tell(options)
-        return StoredVolume(_HERE + os.path.abspath(path), grid, _here=volume)
+        return StoredVolume(_HERE + os.path.abspath(path), grid, _here=volume, _grid=grid)
 
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
-        return _tetstream.mesh(self._shape(request, options), request._wire(_field_here), options)
+        return _tetstream.mesh(self._shape(request), request._wire(_field_here), options)
 
     def estimate(self, request: Request, options: _tetstream.Options) -> dict[str, float]:
-        return _tetstream.estimate(self._shape(request, options), request._wire(_field_here), options)
+        return _tetstream.estimate(self._shape(request), request._wire(_field_here), options)
 
     def stream(
         self, request: Request, options: _tetstream.Options, first: int = 0, end: int | None = None
     ) -> _tetstream.Stream:
-        return _tetstream.stream(self._shape(request, options), request._wire(_field_here), options, first, end)
+        return _tetstream.stream(self._shape(request), request._wire(_field_here), options, first, end)
 
     def sample(
         self, request: Request, points: NDArray[np.float64], options: _tetstream.Options
     ) -> dict[str, Any]:
         _refuse_labels(request.volume)
-        return _tetstream.sample(self.frame(request.volume, options), points, request._wire(_field_here), options)
+        return _tetstream.sample(self.frame(request.volume), points, request._wire(_field_here), options)
 
     def session(self, request: Request, options: _tetstream.Options) -> _tetstream.Session:
-        return _tetstream.session(self.frame(request.volume, options), request._wire(_field_here), options)
+        return _tetstream.session(self.frame(request.volume), request._wire(_field_here), options)
 
     def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession:
-        return _tetstream.stable_session(self.frame(request.volume, options), request._wire(_field_here), options)
+        return _tetstream.stable_session(self.frame(request.volume), request._wire(_field_here), options)
 
     def capabilities(self, options: _tetstream.Options) -> Capabilities:
         return Capabilities(_tetstream.version(), "", 0, 0, 0, 0)
@@ -108,25 +111,29 @@ class Here:
     def check_health(self, service: str, options: _tetstream.Options) -> None:
         pass
 
-    def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene:
+    def with_frame(
+        self, volume: Meshable, options: _tetstream.Options, work: Callable[[_Frame], T]
+    ) -> T:
+        """Does `work` with what a session is given."""
+        return work(self.frame(volume))
+
+    def frame(self, volume: Meshable) -> _Frame:
         """What is meshed, as the library has it."""
         if isinstance(volume, Solid):
             return _scene_here(volume)
         if isinstance(volume, StoredVolume):
-            volume = Volume.from_vdb(_path_here(volume), volume.grid) if volume._here is None else volume._here
+            volume = _read_here(volume)
         if isinstance(volume, Volume):
             return volume._volume
         if isinstance(volume, Labels):
             raise _no_frame()
         return Volume.from_vdb(volume)._volume
 
-    def _shape(
-        self, request: Request, options: _tetstream.Options
-    ) -> _tetstream.Volume | _tetstream.Scene | _tetstream.Labels:
+    def _shape(self, request: Request) -> _Frame | _tetstream.Labels:
         """What is meshed, as the request has it read."""
         if request._asks_for_labels and not isinstance(request.volume, Solid):
             return _labels_here(request.volume)._labels
-        return self.frame(request.volume, options)
+        return self.frame(request.volume)
 
 
 class Served:
@@ -169,12 +176,14 @@ class Served:
     def stable_session(self, request: Request, options: _tetstream.Options) -> _tetstream.StableSession:
         return self._begun(_tetstream.stable_session_there, request, options)
 
-    def frame(self, volume: Meshable, options: _tetstream.Options) -> _tetstream.Volume | _tetstream.Scene:
-        """What a session is given: volumes are needed here, to see what changes."""
-        if isinstance(volume, Solid):
-            found: list[_tetstream.Scene] = []
-            self.stored(volume, options, found.append)
-            return found[-1]
+    def with_frame(
+        self, volume: Meshable, options: _tetstream.Options, work: Callable[[_Frame], T]
+    ) -> T:
+        """Does `work` with what a session is given; again where the server has evicted a volume of a solid."""
+        return self.stored(volume, options, work) if isinstance(volume, Solid) else work(self._volume_here(volume))
+
+    def _volume_here(self, volume: Volume | Labels | StoredVolume | str | os.PathLike[str]) -> _tetstream.Volume:
+        """A session needs volumes here, to see what changes."""
         if isinstance(volume, StoredVolume):
             raise invalid(f"{volume.name} is stored by a server: a session begins with a Volume or a solid")
         if isinstance(volume, Labels):
@@ -203,9 +212,15 @@ class Served:
 
     def _begun(self, begin: Callable[..., T], request: Request, options: _tetstream.Options) -> T:
         """A session, which reads its first frame from what is here."""
-        frame = self.frame(request.volume, options)
-        return self._tried(options, lambda uploading, used: begin(
-            self.client, frame, request._wire(lambda values: self._stored_volume(values, uploading, used)), options))
+        volume = request.volume
+        here = None if isinstance(volume, Solid) else self._volume_here(volume)
+
+        def do(uploading: _tetstream.Options, used: _Used) -> T:
+            frame = here or self._stored(volume, uploading, used)
+            wire = request._wire(lambda values: self._stored_volume(values, uploading, used))
+            return begin(self.client, frame, wire, options)
+
+        return self._tried(options, do)
 
     def _tried(self, options: _tetstream.Options, do: Callable[[_tetstream.Options, _Used], T]) -> T:
         """What `do` does, which notes the names that it has used; once more where one of them is evicted."""
@@ -227,7 +242,7 @@ class Served:
         self, volume: Meshable, options: _tetstream.Options, used: _Used
     ) -> _tetstream.StoredVolume | _tetstream.Scene:
         if isinstance(volume, Solid):
-            nodes = volume._nodes(lambda leaf: self._stored_volume(leaf, options, used).name)
+            nodes = volume._nodes(lambda leaf, grid: self._stored_volume(leaf, options, used).name)
             return _tetstream.Scene.from_json(json.dumps({"nodes": nodes}), [])
         return self._stored_volume(volume, options, used)
 
@@ -259,11 +274,11 @@ def _scene_here(solid: Solid) -> _tetstream.Scene:
     volumes: dict[str, _tetstream.Volume] = {}
     names: dict[Any, str] = {}
 
-    def name_of(leaf: Any) -> str:
-        key = leaf if isinstance(leaf, str) else id(leaf)
+    def name_of(leaf: Any, grid: str) -> str:
+        key = leaf if isinstance(leaf, str) else id(leaf), grid
         if key not in names:
             names[key] = f"v{len(names)}"
-            volumes[names[key]] = _volume_of_leaf(leaf)._volume
+            volumes[names[key]] = _volume_of_leaf(leaf, grid)._volume
         return names[key]
 
     nodes = solid._nodes(name_of)
@@ -273,26 +288,40 @@ def _scene_here(solid: Solid) -> _tetstream.Scene:
 def _labels_here(volume: Meshable) -> Labels:
     """A segmentation of this process, or of a file."""
     if isinstance(volume, StoredVolume):
-        if volume._here is None or os.path.isabs(volume.name.removeprefix(_HERE)):
+        if volume._here is None or _is_file(volume):
             path = _path_here(volume)
             if volume.grids:
                 return Labels.from_level_sets([Volume.from_vdb(path, name) for name in volume.grids])
             return Labels.from_file(path, volume.grid)
-        volume = volume._here
+        volume = _read_here(volume)
     if isinstance(volume, (Volume, Solid)):
         raise invalid(f"labels are asked for of a {type(volume).__name__}: give Labels, the path of an image, "
                       "or a solid")
     return volume if isinstance(volume, Labels) else Labels.from_file(volume)
 
 
+def _is_file(stored: StoredVolume) -> bool:
+    """Whether it is one that `Here` has taken, of which any grid may be meant."""
+    return stored.name.startswith(_HERE) and os.path.isabs(stored.name.removeprefix(_HERE))
+
+
 def _path_here(stored: StoredVolume) -> str:
     """Of a file that `Here` has taken."""
-    path = stored.name.removeprefix(_HERE)
     if not stored.name.startswith(_HERE):
         raise invalid(f"{stored.name} is stored by a server: mesh it by that server's Client")
-    if not os.path.isabs(path):
+    if not _is_file(stored) and stored._here is not None:
+        raise NotFoundError(f"{stored.name} is a volume of this process, and has no grid '{stored.grid}'",
+                            StatusCode.NOT_FOUND)
+    if not _is_file(stored):
         raise invalid(f"{stored.name} is the name of a volume of this process, which has to be kept with it")
-    return path
+    return stored.name.removeprefix(_HERE)
+
+
+def _read_here(stored: StoredVolume) -> Volume | Labels:
+    """What this process keeps of it, unless another grid of its file is meant."""
+    if stored._here is not None and stored.grid == stored._grid:
+        return stored._here
+    return Volume.from_vdb(_path_here(stored), stored.grid)
 
 
 def _refuse_labels(volume: Meshable) -> None:
@@ -305,26 +334,28 @@ def _no_frame() -> Exception:
 
 
 def _field_here(values: Volume | StoredVolume) -> _tetstream.Volume:
+    """Of a file the grid that has values, which is not what can be meshed of it."""
     if isinstance(values, StoredVolume):
-        kept = values._here
-        if kept is None:
+        if _is_file(values):
             return Volume.values_from_vdb(_path_here(values), values.grid)._volume
+        kept = _read_here(values)
         if isinstance(kept, Labels):
             raise invalid(f"{values.name} has labels, which are no values of a field")
         values = kept
     return values._volume
 
 
-def _volume_of_leaf(leaf: Any) -> Volume:
+def _volume_of_leaf(leaf: Any, grid: str) -> Volume:
     if isinstance(leaf, Volume):
         return leaf
-    if isinstance(leaf, StoredVolume) and isinstance(leaf._here, Volume):
-        return leaf._here
-    if isinstance(leaf, StoredVolume) and leaf._here is None:
-        return Volume.from_vdb(_path_here(leaf), leaf.grid)
+    if isinstance(leaf, StoredVolume) and leaf.name.startswith(_HERE):
+        read = _read_here(dataclasses.replace(leaf, grid=grid))
+        if isinstance(read, Labels):
+            raise invalid(f"{leaf.name} has labels, which are no solid")
+        return read
     if isinstance(leaf, StoredVolume) or str(leaf).startswith(_STORED):
         raise invalid(f"{leaf} is stored by a server: mesh the solid by that server's Client")
-    return Volume.from_vdb(leaf)
+    return Volume.from_vdb(leaf, grid)
 
 
 def _tell(options: _tetstream.Options) -> None:

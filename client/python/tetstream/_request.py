@@ -55,6 +55,7 @@ class StoredVolume:
     labels: bool = False
     grids: tuple[str, ...] = ()
     _here: Volume | Labels | None = dataclasses.field(default=None, repr=False, compare=False)
+    _grid: str = dataclasses.field(default="", repr=False, compare=False)  # that `_here` is
 
 
 Fields = Mapping[str, Volume | StoredVolume]
@@ -97,12 +98,12 @@ class Request:
     smooth: Smooth | None = None
     label_sizes: LabelSizes | None = None
 
-    @classmethod
     def __post_init__(self) -> None:
         """Iterators are read now: a request may be used more than once."""
         object.__setattr__(self, "labels", _repeatable(self.labels))
         object.__setattr__(self, "merge", tuple(_repeatable(merged) for merged in self.merge))
 
+    @classmethod
     def _of(cls, volume: VolumeLike, **options: Any) -> Request:
         """The request that a call's arguments make; those that were not given have their defaults."""
         if not isinstance(volume, Request):
@@ -158,11 +159,11 @@ _LABEL_OPTIONS = ("labels", "merge", "background", "background_label", "label_na
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Request)}
 
 
-def _is_given(value: Any, default: Any) -> bool:
 def _repeatable(labels: Any) -> Any:
     return tuple(labels) if isinstance(labels, Iterator) else labels
 
 
+def _is_given(value: Any, default: Any) -> bool:
     """Whether an option asks for anything beside its default; neither no merges nor a table of nothing does. Its value may
     be an array, which is equal to nothing as a whole."""
     if isinstance(value, Mapping) or default == ():

@@ -84,7 +84,7 @@ class Session(Following[_tetstream.Session]):
         Errors: those of `Client.mesh`; InvalidArgumentError (a frame of another kind),
         FailedPreconditionError (the session is over, or another thread is in it), Error (the server ended it).
         """
-        made = Mesh(self._session.update(self._backend.frame(frame, options_of())))
+        made = Mesh(self._backend.with_frame(frame, options_of(), self._session.update))
         self.mesh = made
         return made
 

@@ -90,7 +90,7 @@ class Solid:
     def to_json(self) -> str:
         """The text of a scene file, as `tetstream mesh` takes it. Errors: InvalidArgumentError (a volume of
         this process is in it, which such a file cannot name)."""
-        def name(leaf: Any) -> str:
+        def name(leaf: Any, grid: str) -> str:
             if isinstance(leaf, (str, os.PathLike)):
                 return os.fspath(leaf)
             if hasattr(leaf, "grid") and not leaf._here:
@@ -114,14 +114,14 @@ class Solid:
         return list(leaves.values())
 
     def _nodes(self, name_of: Any) -> list[dict[str, Any]]:
-        """The list of nodes that scene files have. `name_of` gives a leaf its name."""
+        """The list of nodes that scene files have. `name_of` gives a leaf its name, and may ask which grid of it is meant."""
         names: dict[int, str] = {}
         nodes = []
         for node in self._walk():
             names[id(node)] = f"n{len(names)}"
             fields = dict(node._fields)
             if node._kind == "grid":
-                fields[_LEAF_KEY] = name_of(node._leaf)
+                fields[_LEAF_KEY] = name_of(node._leaf, fields.get("grid_name", ""))
             elif node._kind in _COMBINATIONS:
                 fields["of"] = [names[id(part)] for part in node._parts]
             elif node._parts:
@@ -216,13 +216,14 @@ def grid(
     """What is inside of a volume, as a solid.
 
     volume   a Volume, the path of a .vdb file, or what `upload` returned
-    name     of the grid within the file; unless given the only one that can be meshed
+    name     of the grid within the file; unless given that of the upload, or the only one that can be meshed
     iso      the surface's value; unless given 0 for level sets and 0.5 for densities
     inside   "above" or "below" the iso value; unless given what the grid says
     """
     fields: dict[str, Any] = {}
-    if name:
-        fields["grid_name"] = name
+    chosen = name or getattr(volume, "grid", "")  # a StoredVolume has one
+    if chosen:
+        fields["grid_name"] = chosen
     if iso is not None:
         fields["iso"] = float(iso)
     if inside is not None:

@@ -167,15 +167,20 @@ class StableSession(Following[_tetstream.StableSession]):
         it begins, a frame that is no volume, and the above).
         """
         was_over = self.is_over
-        shape = self._backend.frame(frame, options_of())
         boxes = None if replaced is None else _boxes(replaced)
-        if boxes is not None and not isinstance(shape, _tetstream.Volume):
-            raise invalid("a solid has no samples that are replaced: give `replaced` with volumes alone")
+        began = False
+
+        def take(shape: _tetstream.Volume | _tetstream.Scene) -> _tetstream.StableMesh:
+            nonlocal began
+            began = boxes is None or isinstance(shape, _tetstream.Volume)
+            if boxes is None:
+                return self._session.update(shape)
+            if not isinstance(shape, _tetstream.Volume):
+                raise invalid("a solid has no samples that are replaced: give `replaced` with volumes alone")
+            return self._session.update_replaced(shape, boxes)
+
         try:
-            if boxes is not None and isinstance(shape, _tetstream.Volume):
-                made = StableMesh(self._session.update_replaced(shape, boxes))
-            else:
-                made = StableMesh(self._session.update(shape))
+            made = StableMesh(self._backend.with_frame(frame, options_of(), take))
             self.mesh._mesh = None
             self.mesh = made
         except Error:
@@ -183,7 +188,8 @@ class StableSession(Following[_tetstream.StableSession]):
                 self.mesh._mesh = None
             raise
         except BaseException:  # Ctrl-C, for instance, which may have come when the frame was taken
-            self._take_what_there_is()
+            if began:
+                self._take_what_there_is()
             raise
         return made
 

@@ -1,5 +1,6 @@
 """Meshes that a server makes."""
 
+import dataclasses
 import threading
 
 import pytest
@@ -96,6 +97,49 @@ def test_a_file_of_several_level_sets_is_stored(client, tmp_path, served):
         taken.mesh(taken.upload_file(tmp_path / "no.vdb"))
 
 
+@pytest.mark.parametrize("served", [False, True])
+def test_which_grid_of_a_file_is_meant_is_said_afterwards(client, ball, tmp_path, served):
+    """That one of them can be meshed says nothing of which has the values of a field."""
+    taken, path = client if served else ts.Client(":local:"), tmp_path / "flow.vdb"
+    fixture_file("flow", 0.1, path)
+    stored = taken.upload_file(path)
+    with pytest.raises(ts.FailedPreconditionError):
+        taken.mesh(ball, fields={"flow": stored})
+    flow = dataclasses.replace(stored, grid="velocity")
+    made = taken.mesh(ball, fields={"flow": flow})
+    values = ts.Volume.values_from_vdb(path, "velocity")
+    assert_same(made, ts.mesh(ball, fields={"flow": values}))
+    assert made.fields["flow"].shape == (made.header.vertex_count, 3)
+    for meshed in (flow, ts.grid(flow)):
+        with pytest.raises(ts.FailedPreconditionError):
+            taken.mesh(meshed, spacing=0.2)
+    assert_same(taken.mesh(dataclasses.replace(stored, grid="sphere")), ts.mesh(ts.Volume.from_vdb(path)))
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_solids_are_of_the_grids_that_are_named(client, tmp_path, served):
+    taken, path = client if served else ts.Client(":local:"), tmp_path / "parts.vdb"
+    fixture_file("parts", 0.1, path)
+    stored = taken.upload_file(path)
+    volumes = {name: ts.Volume.from_vdb(path, name) for name in ("ball", "ring")}
+    both = ts.mesh(ts.grid(volumes["ball"]) | ts.grid(volumes["ring"]), spacing=0.2)
+    for leaf in (path, stored):
+        assert_same(taken.mesh(ts.grid(leaf, "ball") | ts.grid(leaf, "ring"), spacing=0.2), both)
+    ring = ts.mesh(ts.grid(volumes["ring"]), spacing=0.2)
+    for leaf in (dataclasses.replace(stored, grid="ring"), taken.upload_file(path, "ring")):
+        assert_same(taken.mesh(ts.grid(leaf), spacing=0.2), ring)
+    assert_same(taken.mesh(ts.grid(taken.upload_file(path, "ball"), "ring"), spacing=0.2), ring)
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_an_uploaded_volume_has_no_other_grid(client, ball, served):
+    taken = client if served else ts.Client(":local:")
+    stored = dataclasses.replace(taken.upload(ball), grid="other")
+    for request in (ts.Request(stored), ts.Request(ts.grid(stored), spacing=0.2), ts.Request(ball, fields={"other": stored})):
+        with pytest.raises(ts.NotFoundError):
+            taken.mesh(request)
+
+
 def test_a_name_of_this_process_is_for_this_process(client, ball):
     kept = ts.StoredVolume(ts.Client(":local:").upload(ball).name)
     with pytest.raises(ts.InvalidArgumentError, match="kept with it"):
@@ -186,3 +230,14 @@ def test_sends_a_volume_again_that_the_server_has_lost(tmp_path, ball, mesh):
     for store in ("one", "two"):
         with running_server.RunningServer(tmp_path / store, listen=address):
             assert_same(client.mesh(ball), mesh)
+
+
+@pytest.mark.parametrize("begin", [ts.Client.session, ts.Client.stable_session])
+def test_a_session_sends_a_volume_again_that_the_server_has_lost(tmp_path, ball, begin):
+    address = f"127.0.0.1:{running_server.unused_port()}"
+    client, solid = ts.Client(address), ts.grid(ball) | ts.sphere(1, center=(1, 0, 0))
+    for store in ("one", "two"):
+        with running_server.RunningServer(tmp_path / store, listen=address):
+            client.check_health()  # by a connection of its own
+            with begin(client, solid, spacing=0.2) as session:
+                assert session.mesh.header.tet_count == ts.estimate(solid, spacing=0.2).tet_count

@@ -41,6 +41,34 @@ def test_solids_make_the_same_bytes_here_and_there(client):
             assert there.tets_sent < there.mesh.header.tet_count
 
 
+class Forgetful:
+    """A session whose server has evicted a volume of the first frame that it is given."""
+
+    def __init__(self, session):
+        self._session, self.frames = session, []
+
+    def __getattr__(self, name):
+        return getattr(self._session, name)
+
+    def update(self, frame):
+        self.frames.append(frame)
+        if len(self.frames) == 1:
+            raise ts.NotFoundError("it is evicted", ts.StatusCode.NOT_FOUND, "GRID_NOT_FOUND")
+        return self._session.update(frame)
+
+
+@pytest.mark.parametrize("begin", [ts.Client.session, ts.Client.stable_session])
+def test_an_update_sends_a_volume_again_that_the_server_has_lost(client, ball, begin):
+    solid = ts.grid(ball) | ts.sphere(1, center=(1, 0, 0))
+    with begin(client, ts.sphere(1), spacing=0.2) as session:
+        session._session = Forgetful(session._session)
+        assert session.update(solid).header.tet_count == ts.mesh(solid, spacing=0.2).header.tet_count
+        assert len(session._session.frames) == 2
+        session._session.frames.clear()
+        with pytest.raises(ts.NotFoundError):
+            session.update(ts.sphere(1))  # of which nothing was sent
+
+
 def test_meshes_of_earlier_frames_stay_as_they_were(client):
     first, second, *_ = frames()
     with client.session(first) as session:
