@@ -12,7 +12,6 @@ namespace tet {
 
 namespace {
 
-constexpr std::size_t kReadBytes = 64 << 10;
 constexpr std::size_t kPieceBytes = 512 << 10;
 // Two chunks of a mesh on their way hide what making the next one takes.
 constexpr std::size_t kRoomBytes = 512 << 10;
@@ -43,25 +42,27 @@ void HttpConnection::close() {
   if (exchange_ != nullptr) exchange_->abandon();
   shared_.place.loop.forget(socket_.number());
   shared_.closed(socket_.number());
-  in_ = {};
-  account();
+  drop_input();
   // Whoever called may be one of ours.
   shared_.place.loop.post([self, exchange = std::move(exchange_)] {});
 }
 
 std::optional<HttpConnection::Clock::time_point> HttpConnection::waiting_since() const {
-  const bool waiting =
-      state_ == State::kHandshake || state_ == State::kIdle || state_ == State::kHead;
+  const bool waiting = state_ == State::kHandshake || state_ == State::kIdle ||
+                       state_ == State::kHead || state_ == State::kLingering;
   return waiting ? std::optional(since_) : std::nullopt;
 }
 
-std::optional<HttpConnection::Clock::time_point> HttpConnection::silent_since() const {
-  if (queued_ > 0) return last_taken_;
-  const bool sends = state_ == State::kBody || (state_ == State::kPieces && wants_piece_);
-  return sends ? std::optional(std::max(since_, last_sent_)) : std::nullopt;
+std::optional<HttpConnection::Clock::time_point> HttpConnection::slow_since() const {
+  const bool moves = queued_ > 0 || state_ == State::kHead || state_ == State::kBody ||
+                     (state_ == State::kPieces && wants_piece_);
+  return moves ? std::optional(progress_.since()) : std::nullopt;
 }
 
 void HttpConnection::check(Clock::time_point now) {
+  // The socket has room again, and takes more, when the other side has taken a third of what
+  // was in it: of a slow reader that tells too late.
+  if (progress_.is_taking()) progress_.looked(socket_.unacknowledged(), now);
   const bool stalled = queued_ > 0 && now > last_taken_ + shared_.limits.stall_time;
   const bool late = deadline_ && now > *deadline_;
   if (!stalled && !late) return;
@@ -74,6 +75,7 @@ void HttpConnection::check(Clock::time_point now) {
 void HttpConnection::enter(State state, std::optional<std::chrono::seconds> patience) {
   state_ = state;
   since_ = Clock::now();
+  progress_.begin(since_);
   deadline_.reset();
   if (patience) deadline_ = since_ + *patience;
 }
@@ -119,14 +121,13 @@ void HttpConnection::happened(std::uint32_t events) {
 
 void HttpConnection::receive() {
   while (wants_input()) {
-    const Io io = socket_.read(in_, kReadBytes);
+    std::size_t got = 0;
+    const Io io = socket_.read(shared_.received, got);
     if (io == Io::kClosed) return close();
     if (io != Io::kDone) return;
-    last_sent_ = Clock::now();
-    if (state_ == State::kLingering) {
-      in_.clear();
-      continue;
-    }
+    if (state_ == State::kLingering) continue;
+    progress_.moved(got, Clock::now());
+    in_.append(shared_.received.data(), got);
     while (!account()) {
       if (in_.size() <= kQuestionBytes) break;
       if (shared_.make_room(*this)) continue;
@@ -134,6 +135,13 @@ void HttpConnection::receive() {
     }
     process();
   }
+}
+
+/// Drops what has come and nobody will read.
+void HttpConnection::drop_input() {
+  in_.clear();
+  in_.shrink_to_fit();
+  account();
 }
 
 /// Counts what is buffered for this connection; false where that is too much for all of them.
@@ -148,7 +156,8 @@ void HttpConnection::process() {
   while (step()) {
   }
   processing_ = false;
-  if (in_.empty()) in_.shrink_to_fit();
+  // What is counted is what has come, and never less than half of the memory.
+  if (in_.capacity() > 2 * in_.size()) in_.shrink_to_fit();
   account();
 }
 
@@ -230,6 +239,7 @@ bool HttpConnection::read_body() {
 
 void HttpConnection::want_body() {
   wants_piece_ = true;
+  progress_.begin(Clock::now());
   promise_body();
   receive();  // TLS may have bytes that no event tells of
   process();
@@ -251,6 +261,7 @@ bool HttpConnection::read_piece() {
 void HttpConnection::refuse(const HttpRefusal& refusal) {
   shared_.refused(refusal.status);
   keep_alive_ = false;
+  drop_input();
   if (exchange_ != nullptr) exchange_->abandon();
   send(refusal_answer(refusal));
 }
@@ -298,7 +309,10 @@ void HttpConnection::end() {
 bool HttpConnection::has_room() const { return queued_ < kRoomBytes; }
 
 void HttpConnection::queue(grpc::Slice slice) {
-  if (out_.empty()) last_taken_ = Clock::now();
+  if (out_.empty()) {
+    last_taken_ = Clock::now();
+    progress_.begin(last_taken_);
+  }
   queued_ += slice.size();
   out_.push_back({std::move(slice), 0});
 }
@@ -314,6 +328,7 @@ bool HttpConnection::flush_some() {
     if (io == Io::kClosed) return false;
     if (io != Io::kDone) return true;
     last_taken_ = Clock::now();
+    progress_.gave(written);
     queued_ -= written;
     first.done += written;
     if (first.done == bytes.size()) out_.pop_front();
@@ -336,6 +351,7 @@ void HttpConnection::answered() {
   exchange_ = nullptr;
   head_ = {};
   if (!keep_alive_) {
+    drop_input();
     socket_.end_writing();
     enter(State::kLingering, kLinger);
   } else {

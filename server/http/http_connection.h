@@ -15,6 +15,7 @@
 
 #include "server/http/exchange.h"
 #include "server/http/http_socket.h"
+#include "server/http/progress.h"
 #include "server/http/request_head.h"
 
 namespace tet {
@@ -37,17 +38,20 @@ struct HttpShared {
   HttpLimits limits;
   std::function<void(int status)> refused;     ///< counts
   std::function<void(int descriptor)> closed;  ///< forgets the connection
-  /// Closes another connection that has bytes buffered and sends no more; false where none
+  /// Closes another connection that has bytes buffered and gets nowhere; false where none
   /// does.
   std::function<bool(const HttpConnection&)> make_room;
   std::size_t buffered = 0;  ///< bytes of requests in all connections
+  /// What one connection has just received. A buffer of each connection's own would be memory
+  /// that nobody counts, held by a few bytes that are in it.
+  std::vector<char> received = std::vector<char>(64 << 10);
 };
 
 /// All on the loop's thread.
 class HttpConnection final : public AnswerStream,
                              public std::enable_shared_from_this<HttpConnection> {
  public:
-  using Clock = std::chrono::steady_clock;
+  using Clock = Progress::Clock;
 
   HttpConnection(HttpShared& shared, HttpSocket socket);
   ~HttpConnection() override;
@@ -57,11 +61,12 @@ class HttpConnection final : public AnswerStream,
   void close();
   /// Closes it where it took too long over something.
   void check(Clock::time_point now);
-  /// Since when it has kept us waiting for a request; none while it is being served.
+  /// Since when it has kept us waiting for a request, or to close after its last one; none
+  /// while it is being served.
   std::optional<Clock::time_point> waiting_since() const;
-  /// Since when it has sent nothing of a body, or taken nothing of an answer, that it began;
-  /// none while we are the ones who have something to do.
-  std::optional<Clock::time_point> silent_since() const;
+  /// Since when it has moved less than a stride of a request or an answer; none while we are
+  /// the ones who have something to do.
+  std::optional<Clock::time_point> slow_since() const;
 
   /// Whether it has sent what was not used yet.
   bool has_buffered() const { return !in_.empty(); }
@@ -97,6 +102,7 @@ class HttpConnection final : public AnswerStream,
   void watch();
   bool wants_input() const;
   void receive();
+  void drop_input();
   bool account();
   void process();
   bool step();
@@ -125,8 +131,8 @@ class HttpConnection final : public AnswerStream,
   bool processing_ = false;
   std::deque<Outgoing> out_;
   std::size_t queued_ = 0;              ///< bytes in it
-  Clock::time_point last_taken_;        ///< when the other side last took something
-  Clock::time_point last_sent_;         ///< when it last sent something
+  Clock::time_point last_taken_;        ///< when the socket last took something
+  Progress progress_;                   ///< of what is received and sent
   std::uint32_t handshake_events_ = 0;  ///< what TLS waits for
   std::uint32_t watched_ = 0;
 };

@@ -26,8 +26,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kTick{250};
 constexpr std::chrono::seconds kGoodbye{1};
-// Who began a request or an answer and has been silent for so long may have to go, for others.
-constexpr std::chrono::seconds kSilence{1};
+// Who began a request or an answer and takes longer over a stride of it may have to go, for
+// others.
+constexpr std::chrono::seconds kStrideTime{1};
 
 /// Counts refusals by their status, each of which has a place of its own.
 class RefusalCounts {
@@ -178,19 +179,19 @@ bool HttpPort::Impl::close_earliest(const Since& since, Clock::time_point end) {
 }
 
 /// Closes the connection that has kept us waiting for a request for the longest; where all have
-/// sent one, the one that has been silent for the longest since. False where all are served.
+/// sent one, the one that has been in its stride for the longest. False where all are served.
 bool HttpPort::Impl::close_one_that_waits() {
   return close_earliest([](const auto& each) { return each.waiting_since(); },
                         Clock::time_point::max()) ||
-         close_earliest([](const auto& each) { return each.silent_since(); },
-                        Clock::now() - kSilence);
+         close_earliest([](const auto& each) { return each.slow_since(); },
+                        Clock::now() - kStrideTime);
 }
 
 bool HttpPort::Impl::close_one_that_fills(const HttpConnection& newcomer) {
   const auto since = [&](const HttpConnection& each) {
-    return &each != &newcomer && each.has_buffered() ? each.silent_since() : std::nullopt;
+    return &each != &newcomer && each.has_buffered() ? each.slow_since() : std::nullopt;
   };
-  return close_earliest(since, Clock::now() - kSilence);
+  return close_earliest(since, Clock::now() - kStrideTime);
 }
 
 /// Returns them in a list of their own, as they leave the map when they close.

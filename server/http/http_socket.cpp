@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <utility>
 
@@ -29,20 +31,17 @@ Io HttpSocket::handshake() {
   return Io::kDone;
 }
 
-Io HttpSocket::read(std::string& into, std::size_t most) {
-  const std::size_t before = into.size();
-  into.resize(before + most);
+Io HttpSocket::read(std::span<char> into, std::size_t& got) {
+  got = 0;
   if (ssl_ != nullptr) {
     ERR_clear_error();
-    std::size_t got = 0;
-    const int returned = SSL_read_ex(ssl_.get(), into.data() + before, most, &got);
-    into.resize(before + (returned == 1 ? got : 0));
+    const int returned = SSL_read_ex(ssl_.get(), into.data(), into.size(), &got);
     return returned == 1 ? Io::kDone : failed(returned);
   }
-  const ssize_t got = ::recv(descriptor_.number(), into.data() + before, most, MSG_DONTWAIT);
-  into.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-  if (got > 0) return Io::kDone;
-  const bool later = got < 0 && (errno == EAGAIN || errno == EINTR);
+  const ssize_t taken = ::recv(descriptor_.number(), into.data(), into.size(), MSG_DONTWAIT);
+  got = static_cast<std::size_t>(std::max<ssize_t>(taken, 0));
+  if (taken > 0) return Io::kDone;
+  const bool later = taken < 0 && (errno == EAGAIN || errno == EINTR);
   return later ? Io::kWaitRead : Io::kClosed;
 }
 
@@ -60,6 +59,12 @@ Io HttpSocket::write(absl::string_view bytes, bool more, std::size_t& written) {
     return Io::kDone;
   }
   return errno == EAGAIN || errno == EINTR ? Io::kWaitWrite : Io::kClosed;
+}
+
+std::size_t HttpSocket::unacknowledged() const noexcept {
+  int bytes = 0;
+  const bool known = ::ioctl(descriptor_.number(), SIOCOUTQ, &bytes) == 0;
+  return known ? static_cast<std::size_t>(std::max(bytes, 0)) : 0;
 }
 
 void HttpSocket::end_writing() noexcept {

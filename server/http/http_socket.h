@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 
 #include <absl/strings/string_view.h>
@@ -35,10 +36,13 @@ class HttpSocket {
 
   /// Goes on with the handshake of TLS; done at once without.
   Io handshake();
-  /// Appends at most `most` bytes to `into`.
-  Io read(std::string& into, std::size_t most);
+  /// Fills the beginning of `into` with what has come; says in `got` how many bytes that are.
+  Io read(std::span<char> into, std::size_t& got);
   /// Says in `written` how many of `bytes` were taken; `more` tells that others follow at once.
   Io write(absl::string_view bytes, bool more, std::size_t& written);
+  /// How many bytes were written, and not acknowledged by the other side's kernel yet; of TLS
+  /// those that it makes of them.
+  std::size_t unacknowledged() const noexcept;
   /// Tells the other side that nothing more comes, while it may still send.
   void end_writing() noexcept;
 

@@ -3,20 +3,51 @@
     TETSTREAM_BIN=build/release/bin python3 tests/server/http_strangers_test.py [unittest options]
 """
 
+import contextlib
 import os
 import pathlib
 import socket
 import struct
+import threading
 import unittest
 
 from http_case import HttpTest, MESH_NAME, field, framed
 from running_server import GENEROUS_END, wait_until
 
 
-class Strangers(HttpTest):
+ROOM = 8 << 20  # for what is received over HTTP, where --receive-bytes is twice that
+POST = (b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        b"Content-Length: %d\r\n\r\n")
+HEALTH = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+LARGE = b"{" + b" " * 100_000  # more than a question, and no JSON
+
+
+class Guests(HttpTest):
+    """Those who come without a client that knows what to do."""
+
+    def answers(self, data):
+        """The status that comes for these bytes, or None where the server hangs up."""
+        try:
+            with socket.create_connection((self.host, self.port), GENEROUS_END) as connection:
+                connection.sendall(data)
+                said = connection.recv(64)
+        except ConnectionError:
+            return None
+        return int(said.split()[1]) if said else None
+
+    def begin(self, size, sent):
+        """A body that never comes to its end."""
+        connection = socket.create_connection((self.host, self.port), GENEROUS_END)
+        self.addCleanup(connection.close)
+        with contextlib.suppress(ConnectionError):  # where it took longer than it may
+            connection.sendall(POST % size + bytes(sent))
+        return connection
+
+
+class Strangers(Guests):
     """What no browser of ours does."""
 
-    options = ("--stall-seconds", "3", "--max-http-connections", "64")
+    options = ("--stall-seconds", "3", "--max-http-connections", "64", "--receive-bytes", "16MiB")
 
     def status_of(self, data):
         return int(self.raw(data).split(b" ", 2)[1])
@@ -58,6 +89,20 @@ class Strangers(HttpTest):
         said = self.raw(b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\n"
                         b"Content-Type: application/json\r\nContent-Length: 100\r\n\r\n{")
         self.assertIn(b" 408 ", said.split(b"\r\n")[0])
+
+    def test_who_was_refused_leaves_the_room_to_others(self):
+        size = 2 << 20
+        late = [self.begin(size, size - 1) for _ in range(ROOM // size)]
+        for connection in late:
+            with contextlib.suppress(ConnectionError):
+                self.assertIn(b" 408 ", connection.recv(64))
+
+        def is_answered():
+            status = self.answers(POST % len(LARGE) + LARGE)
+            self.assertNotEqual(status, 503)
+            return status == 400
+
+        wait_until(is_answered)
 
     def test_a_stream_that_nobody_reads_ends_after_a_while(self):
         self.assertEqual(self.put(self.bytes)[0], 200)
@@ -119,50 +164,71 @@ class Strangers(HttpTest):
         self.assertEqual(line["client"], "127.0.0.1")
 
 
-class SilentCrowds(HttpTest):
-    """Clients who begin requests and go silent, where nothing but another's need ends them."""
+class SlowCrowds(Guests):
+    """Clients who begin requests and get nowhere, where nothing but another's need ends them."""
 
     options = ("--stall-seconds", "3600", "--max-http-connections", "64", "--receive-bytes", "16MiB")
-    ROOM = 8 << 20  # half of that
-    POST = (b"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
-            b"Content-Length: %d\r\n\r\n")
 
-    def begin(self, size, sent):
-        """A body of which the last byte never comes."""
-        connection = socket.create_connection((self.host, self.port), GENEROUS_END)
-        self.addCleanup(connection.close)
-        connection.sendall(self.POST % size + bytes(sent))
+    def trickle(self, connections):
+        """Has each send a byte a few times a second until the test ends, or the server hangs up."""
+        ended = threading.Event()
 
-    def answers(self, data):
-        """The status that comes for these bytes, or None where the server hangs up."""
+        def send():
+            left = connections
+            while left and not ended.wait(0.2):
+                left = [connection for connection in left if self.goes_on(connection)]
+
+        thread = threading.Thread(target=send)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(ended.set)
+
+    @staticmethod
+    def goes_on(connection):
         try:
-            with socket.create_connection((self.host, self.port), GENEROUS_END) as connection:
-                connection.sendall(data)
-                said = connection.recv(64)
+            connection.sendall(b" ")
         except ConnectionError:
-            return None
-        return int(said.split()[1]) if said else None
+            return False
+        return True
 
     def test_those_who_take_all_places_give_way(self):
         for _ in range(64):
             self.begin(1, 0)
-        wait_until(lambda: self.answers(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n") == 200)
+        wait_until(lambda: self.answers(HEALTH) == 200)
+
+    def test_those_who_take_all_places_and_trickle_give_way(self):
+        self.trickle([self.begin(1 << 20, 0) for _ in range(64)])
+        wait_until(lambda: self.answers(HEALTH) == 200)
+
+    def test_those_who_were_refused_give_their_places_to_who_asks(self):
+        for _ in range(64):
+            refused = socket.create_connection((self.host, self.port), GENEROUS_END)
+            self.addCleanup(refused.close)
+            refused.sendall(b"nonsense\r\n\r\n")
+            self.assertIn(b" 400 ", refused.recv(64))
+        self.assertEqual(self.answers(HEALTH), 200)
+
+    def check_that_the_room_is_given(self):
+        for _ in range(10):
+            self.assertEqual(self.answers(HEALTH), 200)
+        # A question needs no room; a body is given it.
+        wait_until(lambda: self.answers(POST % len(LARGE) + LARGE) == 400)
 
     def test_those_who_fill_the_room_keep_nobody_from_asking(self):
         size = 2 << 20
-        for _ in range(self.ROOM // size):
+        for _ in range(ROOM // size):
             self.begin(size, size - 1)
         self.begin(size, 1000)
-        for _ in range(10):
-            status = self.answers(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
-            self.assertEqual(status, 200)
-        # And give way to one who does send a body.
-        body = b"{" + b" " * 100_000
-        wait_until(lambda: self.answers(self.POST % len(body) + body) == 400)
+        self.check_that_the_room_is_given()
+
+    def test_those_who_fill_the_room_and_trickle_keep_nobody_from_asking(self):
+        size, rest = 2 << 20, 20_000
+        self.trickle([self.begin(size, size - rest) for _ in range(ROOM // size)])
+        self.check_that_the_room_is_given()
 
     def test_the_kernel_asks_whether_who_says_nothing_is_still_there(self):
         with socket.create_connection((self.host, self.port), GENEROUS_END) as idle:
-            idle.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            idle.sendall(HEALTH)
             self.assertTrue(idle.recv(64))
             ours = f"{self.port:04X}", f"{idle.getsockname()[1]:04X}"
 
