@@ -436,9 +436,21 @@ describe("text in files", () => {
     const cut = `a''${"ü".repeat(58)}`;
     assert.deepEqual(groupsOf(await textOf("msh")),
       ["2NALL_surface", `2NALL_a''${"ü".repeat(56)}`, `2${cut}`, "3NALL", `3${cut}`]);
+    mesh.header.labels = [{ value: 1n, name: "bone" }, { value: 2n, name: "bone" }];
+    assert.deepEqual([...(await textOf("vtu")).matchAll(/Name="(\w+)" NumberOfTuples="1" format="ascii">(\d)</g)].map((one) => one.slice(1)),
+      [["bone_1", "1"], ["bone_2", "2"]]);
     mesh.header.labels = [];
     mesh.header.parts = [{ name: "", firstTet: 0n }, { name: "n", firstTet: 3000n }];
     assert.deepEqual(groupsOf(await textOf("msh")), ["2_surface", "2n_surface", "3n", "3n_2"]);
+    mesh.header.parts = [".", "a/b", "", "_"].map((name) => ({ name, firstTet: 0n }));
+    const path = join(folder, "names.vtkhdf");
+    writeFileSync(path, Buffer.from(await page.fileOf(mesh, "vtkhdf").arrayBuffer()));
+    execFileSync("/usr/bin/python3", ["-c", `
+import h5py, sys
+with h5py.File(sys.argv[1]) as file:
+    names = {name: int(number[0]) for name, number in file["VTKHDF/FieldData"].items()}
+assert names == {"_": 1, "a_b": 2, "n": 3, "__2": 4}, names
+`, path], { stdio: ["ignore", "ignore", "inherit"] });
   });
 });
 

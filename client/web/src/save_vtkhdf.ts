@@ -1,18 +1,17 @@
 // VTK's HDF5 unstructured grids, .vtkhdf of version 1.0, as core/files/write_vtkhdf.cpp writes them.
+import { shortNames } from "./file_names";
 import type { FileParts } from "./file_parts";
 import { Hdf5Group, writeHdf5, type Hdf5Type } from "./hdf5";
 import { fieldsOf, tetLabels, valuesOf, type LabelType } from "./mesh_columns";
-import { freeName } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints, isWide } from "./world_points";
 
-const kTetra = 10;
+const kTetra = 10, kMostNameBytes = 4096;
 const kTypes: Record<LabelType, Hdf5Type> = { UInt8: "u8", Int32: "i32", Int64: "i64" };
 
-/** Names as HDF5 has them, for which a slash parts groups; no two alike. */
+/** Names as HDF5 has them, for which a slash parts groups, a dot is the group itself, and none is no name; no two alike. */
 function namesInHdf5(names: string[]): string[] {
-  const taken = new Set<string>();
-  return names.map((name) => freeName(name.replace(/\//g, "_"), taken));
+  return shortNames(names.map((name) => (name === "." ? "_" : name.replace(/\//g, "_") || "n")), kMostNameBytes);
 }
 
 export function writeVtkHdf(mesh: TetMesh, file: FileParts): void {

@@ -2,6 +2,7 @@
 import { xml } from "./file_names";
 import type { FileParts } from "./file_parts";
 import { fieldsOf, kLabelBytes, tetLabels, valuesOf } from "./mesh_columns";
+import { distinctNames } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints, isWide } from "./world_points";
 
@@ -29,8 +30,9 @@ function fieldColumns(mesh: TetMesh, file: FileParts): Column[] {
 function fieldData(mesh: TetMesh): string {
   const one = (type: string, name: string, number: number | bigint): string =>
     `<DataArray type="${type}" Name="${xml(name)}" NumberOfTuples="1" format="ascii">${number}</DataArray>\n`;
-  const text = mesh.header.parts.map((part, i) => one("Int32", part.name, i + 1)).join("") +
-    mesh.header.labels.filter((label) => label.name).map((label) => one("Int64", label.name, label.value)).join("");
+  const { parts, labels } = mesh.header, names = distinctNames(labels);
+  const text = parts.map((part, i) => one("Int32", part.name, i + 1)).join("") +
+    labels.map((label, i) => (label.name ? one("Int64", names[i]!, label.value) : "")).join("");
   return text && `<FieldData>\n${text}</FieldData>\n`;
 }
 
