@@ -58,6 +58,47 @@ export const isDrawing = (page) => until(page, () =>
 
 export const triangles = (page) => page.evaluate(() => Number(document.getElementById("canvas").dataset.triangles));
 
+/** The fields of a message that has numbers and texts alone. */
+function fieldsOf(message) {
+  const fields = {};
+  let at = 0;
+  const number = () => {
+    for (let value = 0, shift = 0; ; shift += 7) {
+      const byte = message[at++];
+      value |= (byte & 127) << shift;
+      if (byte < 128) return value;
+    }
+  };
+  while (at < message.length) {
+    const tag = number(), value = number();
+    fields[tag >> 3] = tag & 7 ? message.toString("utf8", at, (at += value)) : value;
+  }
+  return fields;
+}
+
+const numberOf = (value) => (value < 128 ? [value] : [(value & 127) | 128, ...numberOf(value >> 7)]);
+const textField = (field, text) => Buffer.concat([Buffer.from([(field << 3) | 2, ...numberOf(text.length)]), text]);
+
+/**
+ * Answers a method in the server's place: what is listed has these names and nothing else, and comes at most so many at a
+ * time. `sizeField` is the number of the request's `page_size`, behind which its `page_token` comes.
+ */
+export function listInstead(page, method, sizeField, names, most) {
+  const frame = (flag, content) => {
+    const head = Buffer.from([flag, 0, 0, 0, 0]);
+    head.writeUInt32BE(content.length, 1);
+    return Buffer.concat([head, content]);
+  };
+  return page.route(`**/tetstream.v1.${method}`, (route) => {
+    const asked = fieldsOf(route.request().postDataBuffer().subarray(5));
+    const first = Number(asked[sizeField + 1] ?? 0), end = first + Math.min(asked[sizeField], most);
+    const listed = names.slice(first, end).map((name) => textField(1, textField(1, Buffer.from(name))));
+    const token = end < names.length ? [textField(2, Buffer.from(String(end)))] : [];
+    return route.fulfill({ contentType: "application/grpc-web+proto",
+      body: Buffer.concat([frame(0, Buffer.concat([...listed, ...token])), frame(0x80, Buffer.from("grpc-status: 0\r\n"))]) });
+  });
+}
+
 export function makeBunny(path) {
   execFileSync(binary("tetstream"), ["convert", "/usr/share/glmark2/models/bunny.obj", path, "--voxel", "0.02"],
     { stdio: "ignore" });

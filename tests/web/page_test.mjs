@@ -8,7 +8,7 @@ import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { it } from "node:test";
 import { axeSource, binary, difference, drawn, HeldWire, kGenerousEnd, makeFixture, meshIs, until } from "./browser_case.mjs";
-import { chooseBall, isDrawing, makeBunny, mesh, meshIsDone, part, setSpacing, stage, stl, triangles } from "./page_steps.mjs";
+import { chooseBall, isDrawing, listInstead, makeBunny, mesh, meshIsDone, part, setSpacing, stage, stl, triangles } from "./page_steps.mjs";
 
 part("Meshes", () => {
   const held = stage();
@@ -372,18 +372,16 @@ part("Lives", () => {
     assert.deepEqual(page.errors, []);
   });
 
-  it("lists all stored grids, and jobs page by page", async () => {
-    // Pages of few: the page asks for hundreds, and each number is as many bytes as it was.
+  it("lists all stored grids", async () => {
+    // Pages of one: the page asks for a thousand, and the number is as many bytes as it was.
     const page = await held.browser.open("about:blank");
-    const few = async (method, number) => page.route(`**/tetstream.v1.${method}`, (route) => {
+    await page.route("**/tetstream.v1.GridService/ListGrids", (route) => {
       const body = route.request().postDataBuffer();
-      const at = body.indexOf(Buffer.from(number));
+      const at = body.indexOf(Buffer.from([0x08, 0xe8, 0x07]));  // page_size = 1000
       assert.ok(at > 0, body.toString("hex"));
       body.set([0x81, 0x00], at + 1);  // 1
       return route.continue({ postData: body });
     });
-    await few("GridService/ListGrids", [0x08, 0xe8, 0x07]);  // page_size = 1000
-    await few("JobService/ListJobs", [0x10, 0xc8, 0x01]);  // page_size = 200
     const put = async (bytes) => {
       const sha256 = createHash("sha256").update(bytes).digest("hex");
       const answer = await fetch(`${held.server.url}v1/grids/${sha256}`, { method: "PUT", body: bytes });
@@ -391,25 +389,36 @@ part("Lives", () => {
       return `grids/${sha256}`;
     };
     const grids = await Promise.all([stl([1, 1, 1]), stl([1, 1, 2]), stl([1, 1, 3])].map(put));
-    for (const displayName of ["one", "two", "three"]) {
-      const answer = await fetch(`${held.server.url}v1/jobs`, { method: "POST", headers: { "Content-Type": "application/json" },
-        body: JSON.stringify({ job: { displayName, mesh: { name: grids[0], spacing: 0.5 } } }) });
-      // What has ended is told by its page alone.
-      await (await fetch(`${held.server.url}v1/${(await answer.json()).name}:wait`)).json();
-    }
-    const names = (await (await fetch(`${held.server.url}v1/jobs`)).json()).jobs.map(({ name }) => name);
-    const rows = (count) => until(page, (count) => document.querySelectorAll("#job-rows tr").length === count, count);
-    await page.goto(held.server.url + "#jobs");
+    await page.goto(held.server.url);
     await until(page, (names) => names.every((name) => document.querySelector(`#stored option[value="${name}"]`)), grids);
-    for (let count = 1; count < names.length; ++count) {
-      await rows(count);
+    assert.deepEqual(page.errors, []);
+  });
+
+  it("lists 200 jobs and workers, however few an answer has, and older jobs when they are asked for", async () => {
+    const page = await held.browser.open("about:blank");
+    const names = (count) => Array.from({ length: count }, (_, i) => `jobs/${String(900 - i).padStart(24, "0")}`);
+    const rows = (table, count) => until(page, ([table, count]) =>
+      document.querySelectorAll(`#${table} tr`).length === count, [table, count]);
+    await page.route("**/tetstream.v1.JobService/WatchJobs", () => {});  // nothing happens
+    await listInstead(page, "JobService/ListJobs", 2, names(405), 90);
+    await page.goto(held.server.url + "#jobs");
+    for (const count of [200, 400]) {
+      await rows("job-rows", count);
       assert.match(await page.textContent("#older"), new RegExp(`${count} jobs are listed, and there are older ones`));
       await page.click("#older-jobs");
     }
-    await rows(names.length);
+    await rows("job-rows", 405);
     await until(page, () => document.getElementById("older").hidden);
     const shown = await page.locator("#job-rows tr").evaluateAll((lines) => lines.map((line) => line.dataset.job));
-    assert.deepEqual(shown, names);
+    assert.deepEqual(shown, names(405));
+
+    await listInstead(page, "JobService/ListWorkers", 1, ["one", "two"], 1);
+    await page.click('nav a[href="#server"]');
+    await until(page, () => document.querySelectorAll("#workers tr").length > 0);
+    await rows("workers", 2);
+    await listInstead(page, "JobService/ListWorkers", 1, names(201), 150);
+    await rows("workers", 201);
+    assert.match(await page.locator("#workers tr").last().textContent(), /^and more than these 200/);
     assert.deepEqual(page.errors, []);
   });
 

@@ -3,7 +3,7 @@ import { create } from "@bufbuild/protobuf";
 import { EmptySchema } from "@bufbuild/protobuf/wkt";
 import { CancelJobRequestSchema, DeleteJobRequestSchema, GetJobRequestSchema, JobChange, JobEventSchema, JobSchema,
   JobState, ListJobsRequestSchema, ListJobsResponseSchema, RetryJobRequestSchema, WatchJobsRequestSchema,
-  type Job, type ListJobsResponse } from "../generated/tetstream/v1/jobs_pb";
+  type Job } from "../generated/tetstream/v1/jobs_pb";
 import { alertOf, count, element, explain, fillRow, keptRows, made, options } from "./page";
 import { kOutOfRange, RpcError, stream, unary } from "./rpc";
 import { shardsOf } from "./shard_bar";
@@ -18,7 +18,8 @@ export class JobsView {
   private watching?: AbortController;
   /** Where the jobs begin that are older than those that are listed; empty where there are none. */
   private older = "";
-  // What is deleted while a list comes is in it.
+  private olderLists = 0;
+  // What is deleted while a list of older jobs comes is in it.
   private readonly deleted = new Set<string>();
 
   constructor(private readonly show: (job: string, save: boolean) => void) {
@@ -69,37 +70,52 @@ export class JobsView {
     }
   }
 
-  private page(signal: AbortSignal, pageToken = ""): Promise<ListJobsResponse> {
-    return unary("JobService/ListJobs", ListJobsRequestSchema,
-      create(ListJobsRequestSchema, { pageSize: kPageSize, pageToken }), ListJobsResponseSchema, options({ signal }));
+  /**
+   * The next jobs, as many as are listed at once. An answer may have fewer than were asked for, and not be the last. The
+   * revision is the first answer's: what changes while others come is told after that.
+   */
+  private async page(signal: AbortSignal, pageToken = ""): Promise<{ jobs: Job[]; older: string; revision: bigint }> {
+    const jobs: Job[] = [];
+    let revision: bigint | undefined;
+    do {
+      const answer = await unary("JobService/ListJobs", ListJobsRequestSchema,
+        create(ListJobsRequestSchema, { pageSize: kPageSize - jobs.length, pageToken }), ListJobsResponseSchema, options({ signal }));
+      jobs.push(...answer.jobs);
+      revision ??= answer.revision;
+      pageToken = answer.nextPageToken;
+    } while (pageToken && jobs.length < kPageSize);
+    return { jobs, older: pageToken, revision };
   }
 
   private async list(signal: AbortSignal): Promise<bigint> {
-    const answer = await this.page(signal);
-    this.jobs = new Map(answer.jobs.map((job) => [job.name, job]));
-    this.older = answer.nextPageToken;
+    const { jobs, older, revision } = await this.page(signal);
+    this.jobs = new Map(jobs.map((job) => [job.name, job]));
+    this.older = older;
     this.draw();
-    return answer.revision;
+    return revision;
   }
 
   /** Adds the next page of jobs. What the watch has told of one of them meanwhile is newer. */
   private async listOlder(): Promise<void> {
     const watch = this.watching, from = this.older;
     if (!watch || !from) return;
+    ++this.olderLists;
     try {
-      const answer = await this.page(watch.signal, from);
+      const { jobs, older } = await this.page(watch.signal, from);
       if (watch.signal.aborted || this.older !== from) return;
-      for (const job of answer.jobs) if (!this.jobs.has(job.name) && !this.deleted.has(job.name)) this.jobs.set(job.name, job);
-      this.older = answer.nextPageToken;
+      for (const job of jobs) if (!this.jobs.has(job.name) && !this.deleted.has(job.name)) this.jobs.set(job.name, job);
+      this.older = older;
       this.draw();
     } catch (error) {
       if (!watch.signal.aborted) throw error;
+    } finally {
+      if (--this.olderLists === 0) this.deleted.clear();
     }
   }
 
   private forget(name: string): void {
     this.jobs.delete(name);
-    this.deleted.add(name);
+    if (this.olderLists > 0) this.deleted.add(name);
   }
 
   private async fetch(name: string, signal: AbortSignal): Promise<void> {

@@ -39,20 +39,31 @@ function leases({ leasedShards, shards, name }: Worker, cell: Element | undefine
   return before ? undefined : [details];
 }
 
+/** The first workers by name, as many as are shown. An answer may have fewer than were asked for, and not be the last. */
+async function listWorkers(): Promise<{ workers: Worker[]; readTime?: Timestamp; areMore: boolean }> {
+  const workers: Worker[] = [];
+  for (let pageToken = ""; ;) {
+    const answer = await unary("JobService/ListWorkers", ListWorkersRequestSchema,
+      create(ListWorkersRequestSchema, { pageSize: kMostShown - workers.length, pageToken }), ListWorkersResponseSchema, options());
+    workers.push(...answer.workers);
+    pageToken = answer.nextPageToken;
+    if (!pageToken || workers.length >= kMostShown) return { workers, readTime: answer.readTime, areMore: pageToken !== "" };
+  }
+}
+
 export async function drawWorkers(): Promise<void> {
   const table = element("workers");
   try {
-    const answer = await unary("JobService/ListWorkers", ListWorkersRequestSchema,
-      create(ListWorkersRequestSchema, { pageSize: kMostShown }), ListWorkersResponseSchema, options());
-    const more = answer.nextPageToken ? [`and more than these ${kMostShown}`] : [];
-    const none = answer.workers.length === 0 ? ["none was heard of"] : [];
-    const lines = keptRows(table, [...answer.workers.map((worker) => worker.name), ...none, ...more]);
-    answer.workers.forEach((worker, i) => {
+    const { workers, readTime, areMore } = await listWorkers();
+    const more = areMore ? [`and more than these ${kMostShown}`] : [];
+    const none = workers.length === 0 ? ["none was heard of"] : [];
+    const lines = keptRows(table, [...workers.map((worker) => worker.name), ...none, ...more]);
+    workers.forEach((worker, i) => {
       const line = lines[i]!;
-      fillRow(line, worker.name, worker.algorithmVersion, stateOf(worker), ago(worker.seenTime, answer.readTime),
+      fillRow(line, worker.name, worker.algorithmVersion, stateOf(worker), ago(worker.seenTime, readTime),
         leases(worker, line.children[4]));
     });
-    [...none, ...more].forEach((text, i) => fillRow(lines[answer.workers.length + i]!, text, "", "", "", ""));
+    [...none, ...more].forEach((text, i) => fillRow(lines[workers.length + i]!, text, "", "", "", ""));
   } catch (error) {
     table.replaceChildren();
     const none = error instanceof RpcError && error.code === kUnimplemented;
