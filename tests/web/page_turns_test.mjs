@@ -119,8 +119,10 @@ part("Turns", () => {
     assert.deepEqual(await areDisabled(page), [true, true]);
     assert.equal(await page.locator("#grid option").count(), 0);
     assert.equal(await page.textContent("#info"), "");
+    // And the same grid can be chosen again.
+    assert.equal(await page.inputValue("#stored"), "");
     await calls.letGo();
-    await page.selectOption("#stored", block);
+    await page.selectOption("#stored", ball);
     await until(page, () => /tets/.test(document.getElementById("estimate").textContent));
     await mesh(page);
   });
@@ -168,6 +170,34 @@ part("Turns", () => {
     await (await calls.next()).route.continue();
     await until(page, () => document.querySelectorAll('#job-rows tr').length === 2);
     assert.equal((await jobs()).length, 2);
+  });
+});
+
+part("Waiting", () => {
+  const held = stage(() => ["--job-workers", "0"]);
+
+  it("asks for another job where that of a first try has ended in vain before the second", async () => {
+    const page = await held.browser.open(held.server.url);
+    const ask = async (path, method) => {
+      const answer = await fetch(`${held.server.url}v1/${path}`, { method, headers: { "Content-Type": "application/json" } });
+      assert.ok(answer.ok, await answer.clone().text());
+      return answer.json();
+    };
+    const states = async () => (await ask("jobs", "GET")).jobs.map(({ state }) => state);
+    await chooseBall(page, held);
+    const calls = await holdCalls(page, "JobService/CreateJob");
+    await page.click("#submit");
+    const first = await calls.next();
+    await first.route.fetch();  // the server has it, and nobody is told
+    await first.route.abort();
+    await until(page, () => /cannot be reached/.test(document.getElementById("alert").textContent));
+    await ask(`${(await ask("jobs", "GET")).jobs[0].name}:cancel`, "POST");
+    await page.click("#submit");
+    await (await calls.next()).route.continue();
+    await calls.letGo();
+    await until(page, () => /^jobs.*: /.test(document.getElementById("status").textContent));
+    assert.match(await page.textContent("#status"), /: queued$/);
+    assert.deepEqual(await states(), ["JOB_STATE_QUEUED", "JOB_STATE_CANCELLED"]);
   });
 });
 

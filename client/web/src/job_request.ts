@@ -1,9 +1,11 @@
 // Asks for a job, once: a try of which no answer came, made again, asks for the job that may be there.
 import { create, toJsonString } from "@bufbuild/protobuf";
-import { CreateJobRequestSchema, JobSchema, type Job } from "../generated/tetstream/v1/jobs_pb";
+import { CreateJobRequestSchema, JobSchema, JobState, type Job } from "../generated/tetstream/v1/jobs_pb";
 import type { MeshRequest } from "../generated/tetstream/v1/meshes_pb";
 import { options } from "./page";
 import { unary } from "./rpc";
+
+const kEndedInVain = [JobState.FAILED, JobState.CANCELLED, JobState.EXPIRED];
 
 /** What was asked for last, unless a job came of it. */
 let unanswered: { id: string; what: string } | undefined;
@@ -16,9 +18,11 @@ function newId(): string {
 export async function askForJob(mesh: MeshRequest, displayName: string): Promise<Job> {
   const job = create(JobSchema, { mesh, displayName });
   const what = toJsonString(JobSchema, job);
+  const isAskedAgain = unanswered?.what === what;
   const { id } = (unanswered = unanswered?.what === what ? unanswered : { id: newId(), what });
   const answer = await unary("JobService/CreateJob", CreateJobRequestSchema,
     create(CreateJobRequestSchema, { job, requestId: id }), JobSchema, options());
   unanswered = undefined;
-  return answer;
+  // The first try's job may have ended meanwhile: who asks again wants one that will be made.
+  return isAskedAgain && kEndedInVain.includes(answer.state) ? askForJob(mesh, displayName) : answer;
 }

@@ -104,7 +104,12 @@ export class MeshChoice {
         create(GetGridInfoRequestSchema, { name }), GridFileSchema, options({ signal: mine.signal }));
       if (!mine.signal.aborted) await this.take(answer.grids);
     } catch (error) {
-      if (!mine.signal.aborted) throw error;
+      if (mine.signal.aborted) return;
+      // To choose it again has to be a change.
+      this.forget("", "");
+      element<HTMLSelectElement>("stored").value = "";
+      await this.changed();
+      throw error;
     }
   }
 
@@ -114,17 +119,22 @@ export class MeshChoice {
     await this.changed();
   }
 
-  /** Forgets what was chosen before; an answer about it comes too late. */
+  /** Begins with another choice. */
   private begin(name: string, file: string): AbortController {
-    this.asking?.abort();
     this.use();
+    this.forget(name, file);
+    return (this.asking = new AbortController());
+  }
+
+  /** Forgets what was chosen before, for another choice or none; an answer about it comes too late. */
+  private forget(name: string, file: string): void {
+    this.asking?.abort();
     this.name = name;
     this.file = file;
     this.grids = [];
     this.isKnown = !name;
     element("info").textContent = "";
     element("grid").replaceChildren();
-    return (this.asking = new AbortController());
   }
 
   private async take(grids: GridInfo[]): Promise<void> {

@@ -1,6 +1,6 @@
 // The view that meshes: choose, estimate, watch it come, look into it, save it.
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
-import { ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
+import { JobState, ReadJobResultRequestSchema } from "../generated/tetstream/v1/jobs_pb";
 import { Encoding, EstimateMeshRequestSchema, MeshEventSchema, MeshHeaderSchema, Preset, StreamMeshRequestSchema, type Box,
   type MeshHeader, type MeshTrailer } from "../generated/tetstream/v1/meshes_pb";
 import type { FromWorker, Holding } from "./mesh_worker";
@@ -209,7 +209,7 @@ export class MeshView {
     this.allowMeshing(this.canMesh);
     try {
       const job = await askForJob(mesh, this.choice.file);
-      element("status").textContent = `${job.name} is queued`;
+      element("status").textContent = `${job.name}: ${JobState[job.state]!.toLowerCase()}`;
       location.hash = "#jobs";
     } finally {
       this.isAskingForJob = false;
