@@ -13,6 +13,9 @@ namespace tet {
 namespace {
 
 constexpr std::size_t kPieceBytes = 512 << 10;
+// What one connection is read of in its turn, in buffers: who sends as fast as we read would
+// keep the thread from all others.
+constexpr int kMostReads = 16;
 // Two chunks of a mesh on their way hide what making the next one takes.
 constexpr std::size_t kRoomBytes = 512 << 10;
 // What anyone may send though others have filled the room of all: a question, as no body is.
@@ -120,7 +123,8 @@ void HttpConnection::happened(std::uint32_t events) {
 }
 
 void HttpConnection::receive() {
-  while (wants_input()) {
+  for (int reads = 0; wants_input(); ++reads) {
+    if (reads == kMostReads) return receive_later();
     std::size_t got = 0;
     const Io io = socket_.read(shared_.received, got);
     if (io == Io::kClosed) return close();
@@ -135,6 +139,17 @@ void HttpConnection::receive() {
     }
     process();
   }
+}
+
+/// Lets others have their turns before more is read. No event tells of what TLS has read
+/// already.
+void HttpConnection::receive_later() {
+  if (std::exchange(receives_later_, true)) return;
+  shared_.place.loop.post([self = shared_from_this()] {
+    self->receives_later_ = false;
+    self->receive();
+    self->watch();
+  });
 }
 
 /// Drops what has come and nobody will read.

@@ -102,6 +102,7 @@ class HttpConnection final : public AnswerStream,
   void watch();
   bool wants_input() const;
   void receive();
+  void receive_later();
   void drop_input();
   bool account();
   void process();
@@ -128,7 +129,7 @@ class HttpConnection final : public AnswerStream,
   std::uint64_t body_left_ = 0;
   std::shared_ptr<Exchange> exchange_;
   bool wants_piece_ = false, piecewise_ = false, keep_alive_ = true, ended_ = false;
-  bool processing_ = false;
+  bool processing_ = false, receives_later_ = false;
   std::deque<Outgoing> out_;
   std::size_t queued_ = 0;              ///< bytes in it
   Clock::time_point last_taken_;        ///< when the socket last took something
