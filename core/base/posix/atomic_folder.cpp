@@ -21,9 +21,7 @@ namespace fs = std::filesystem;
 /// The absolute path of the folder behind a symbolic link, or of the path itself, without the
 /// slash that may end it.
 fs::path folder_target(const std::string& path) {
-  std::error_code error;
-  fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-  if (error) target = path;
+  const fs::path target = link_target(path);
   return target.has_filename() ? target : target.parent_path();
 }
 

@@ -70,6 +70,15 @@ TEST_F(AtomicFolderTest, DoesNotReplaceAFolderWithOtherFilesInIt) {
   EXPECT_THAT(names(), ElementsAre("thesis"));
 }
 
+TEST_F(AtomicFolderTest, FollowsASymbolicLinkToWhatIsNotThereYet) {
+  fs::create_symlink("next", path("link"));
+  fs::create_symlink("folder", path("next"));
+  EXPECT_TRUE(check_can_create_folder(path("link"), kKnown).ok());
+  EXPECT_EQ(write_folder(path("link"), "new"), absl::OkStatus());
+  EXPECT_TRUE(fs::is_symlink(path("link")) && fs::is_symlink(path("next")));
+  EXPECT_EQ(contents(path("folder/points")), "new");
+}
+
 TEST_F(AtomicFolderTest, IsNoFile) {
   ASSERT_TRUE(write_text_file(path("out"), "text").ok());
   EXPECT_EQ(write_folder(path("out"), "new").code(), absl::StatusCode::kFailedPrecondition);
