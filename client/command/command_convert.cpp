@@ -75,6 +75,14 @@ absl::Status check_options(const ConvertOptions& options) {
   return check_can_create(options.output);
 }
 
+/// An error in writing `made`, told of the file that was asked for.
+absl::Status told_of_output(const absl::Status& status,
+                            const std::string& made,
+                            const ConvertOptions& options) {
+  return absl::Status(status.code(), absl::StrReplaceAll(std::string(status.message()),
+                                                         {{made, options.output}}));
+}
+
 /// Reads and converts into `made`; errors name the file that was asked for.
 absl::StatusOr<ConversionReport> convert(const ConvertOptions& options,
                                          const std::string& made) {
@@ -84,26 +92,31 @@ absl::StatusOr<ConversionReport> convert(const ConvertOptions& options,
     return part.surface_to_vdb(input->surface, input->voxel_size, made, input->open);
   });
   if (report.ok()) return report;
-  const std::string message(report.status().message());
-  return absl::Status(report.status().code(),
-                      absl::StrReplaceAll(message, {{made, options.output}}));
+  return told_of_output(report.status(), made, options);
+}
+
+/// Where the output is written until it is whole: beside what has its name in the end, which
+/// behind a symbolic link may be in another file system.
+fs::path folder_of_output(const ConvertOptions& options) {
+  return link_target(options.output).parent_path();
 }
 
 /// Whole and on the disk before it has its name; behind a symbolic link it takes the place of
 /// the file that this leads to, as all outputs do.
 absl::Status move_to_output(const std::string& made, const ConvertOptions& options) {
   absl::StatusOr<File> file = File::open(made, O_RDONLY, io_error);
-  if (!file.ok()) return file.status();
-  if (auto status = file->sync(); !status.ok()) return status;
-  return move_file(made, link_target(options.output), io_error);
+  if (!file.ok()) return told_of_output(file.status(), made, options);
+  absl::Status status = file->sync();
+  if (status.ok()) status = move_file(made, link_target(options.output), io_error);
+  return told_of_output(status, made, options);
 }
 
 absl::Status convert_array(const ConvertOptions& options, const Cancellation& interruption) {
-  const ScratchDirectory scratch(fs::absolute(options.output).parent_path());
+  const ScratchDirectory scratch(folder_of_output(options));
   const std::string made = scratch.file("made.nrrd");
   const absl::Status status =
       place_array_abandonable(options.input, options.place, made, interruption);
-  if (!status.ok()) return status;
+  if (!status.ok()) return told_of_output(status, made, options);
   if (auto moved = move_to_output(made, options); !moved.ok()) return moved;
   std::printf("%s: an image of %s\n", for_terminal(options.output).c_str(),
               for_terminal(options.input).c_str());
@@ -114,8 +127,7 @@ absl::Status convert_array(const ConvertOptions& options, const Cancellation& in
 absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
   if (auto status = check_options(options); !status.ok()) return status;
   if (is_array(options)) return convert_array(options, interruption);
-  const fs::path folder = fs::absolute(options.output).parent_path();
-  const ScratchDirectory scratch(folder);
+  const ScratchDirectory scratch(folder_of_output(options));
   const std::string made = scratch.file("made.vdb");
   ProgressBar bar;
   bar.begin("converting");

@@ -4,8 +4,12 @@
 """
 
 import json
+import pathlib
 import re
+import tempfile
 import unittest
+
+import numpy
 
 from command_case import CUBE, LID, REFUSED, CommandTest
 
@@ -26,6 +30,20 @@ class Convert(CommandTest):
         info = self.tetstream("info", self.out / "made.vdb", "--json")
         self.assertEqual(json.loads(info.stdout)[0]["class"], "level set")
         self.assertIn("12 triangles, closed", json.loads(info.stdout)[0]["made_of"])
+
+    def test_follows_a_link_into_another_file_system(self):
+        memory = pathlib.Path("/dev/shm")
+        if not memory.is_dir() or memory.stat().st_dev == self.out.stat().st_dev:
+            self.skipTest("there is one file system alone")
+        with tempfile.TemporaryDirectory(dir=memory) as elsewhere:
+            numpy.save(self.inputs / "ct.npy", numpy.arange(27, dtype=numpy.int16).reshape(3, 3, 3))
+            for name, made in (("cube.obj", "made.vdb"), ("ct.npy", "made.nrrd")):
+                target = pathlib.Path(elsewhere) / made
+                (self.out / made).symlink_to(target)
+                self.assert_done(self.tetstream("convert", self.inputs / name, self.out / made))
+                self.assertTrue((self.out / made).is_symlink())
+                self.assertTrue(target.is_file())
+            self.assertEqual(len(list(pathlib.Path(elsewhere).iterdir())), 2)
 
     def test_refuses_a_surface_that_is_not_closed(self):
         self.assert_fails(self.convert("open.obj", "--voxel", "0.1"), REFUSED,
