@@ -6,7 +6,8 @@
 
 namespace tet {
 
-absl::StatusOr<AttachedImage> AttachedImage::of(const std::string& path) {
+absl::StatusOr<AttachedImage> AttachedImage::of(const std::string& path,
+                                                const Cancellation& cancellation) {
   AttachedImage image;
   image.path_ = path;
   if (!is_detached_image(path)) return image;
@@ -14,7 +15,7 @@ absl::StatusOr<AttachedImage> AttachedImage::of(const std::string& path) {
   if (!folder.ok()) return folder.status();
   image.path_ = folder->file("joined.image");
   image.folder_.emplace(*std::move(folder));
-  const absl::Status joined = join_image(path, image.path_);
+  const absl::Status joined = join_image(path, image.path_, cancellation);
   if (!joined.ok()) return joined;
   return image;
 }

@@ -7,6 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/library/api/temporary_folder.h"
+#include "core/base/cancel.h"
 
 namespace tet {
 
@@ -15,7 +16,8 @@ class AttachedImage {
  public:
   /// Any file's own path; of a header whose data are in others, that of a temporary file.
   /// Errors: those of join_image.
-  static absl::StatusOr<AttachedImage> of(const std::string& path);
+  static absl::StatusOr<AttachedImage> of(const std::string& path,
+                                          const Cancellation& cancellation);
 
   const std::string& path() const noexcept { return path_; }
 

@@ -40,7 +40,7 @@ MeshClient::~MeshClient() = default;
 absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
                                                     const ClientProgress& progress,
                                                     const Cancellation& cancellation) {
-  const absl::StatusOr<AttachedImage> attached = AttachedImage::of(path);
+  const absl::StatusOr<AttachedImage> attached = AttachedImage::of(path, cancellation);
   if (!attached.ok()) return attached.status();
   const auto file = name_file(attached->path(), cancellation);
   if (!file.ok()) return file.status();

@@ -13,7 +13,7 @@ namespace {
 
 absl::StatusOr<SealedBlock> decode_here(FileRequest request, const Cancellation& interruption) {
   if (absl::Status s = check_file(request.path); !s.ok()) return s;
-  const absl::StatusOr<AttachedImage> file = AttachedImage::of(request.path);
+  const absl::StatusOr<AttachedImage> file = AttachedImage::of(request.path, interruption);
   if (!file.ok()) return file.status();
   request.path = file->path();
   return decode_once(request, {}, [&] { return interruption.requested(); });
@@ -21,9 +21,9 @@ absl::StatusOr<SealedBlock> decode_here(FileRequest request, const Cancellation&
 
 /// Calls `read(reader)` of the file, or of what is joined of it.
 template <class Read>
-auto read_here(const std::string& path, const Read& read)
+auto read_here(const std::string& path, const Cancellation& interruption, const Read& read)
     -> decltype(read(std::declval<const GridFileReader&>())) {
-  const absl::StatusOr<AttachedImage> file = AttachedImage::of(path);
+  const absl::StatusOr<AttachedImage> file = AttachedImage::of(path, interruption);
   if (!file.ok()) return file.status();
   return with_grid_file(file->path(), read);
 }
@@ -65,7 +65,8 @@ absl::StatusOr<Volume> read_volume(const std::string& path,
                                    FileTrust trust,
                                    const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return read_here(path, [&](const GridFileReader& file) { return file.volume(grid_name); });
+    return read_here(path, interruption,
+                     [&](const GridFileReader& file) { return file.volume(grid_name); });
   }
   const FileRequest request{DecodeTask::kVolume, path, path, grid_name, LoadLimits{}.max_bytes};
   return volume_of(decode_here(request, interruption), request);
@@ -77,8 +78,9 @@ absl::StatusOr<Volume> read_field(const std::string& path,
                                   FileTrust trust,
                                   const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return read_here(
-        path, [&](const GridFileReader& file) { return file.field(grid_name, component); });
+    return read_here(path, interruption, [&](const GridFileReader& file) {
+      return file.field(grid_name, component);
+    });
   }
   const FileRequest request{DecodeTask::kField,     path,     path, grid_name,
                             LoadLimits{}.max_bytes, component};
@@ -90,7 +92,8 @@ absl::StatusOr<LabelVolume> read_labels(const std::string& path,
                                         FileTrust trust,
                                         const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return read_here(path, [&](const GridFileReader& file) { return file.labels(grid_name); });
+    return read_here(path, interruption,
+                     [&](const GridFileReader& file) { return file.labels(grid_name); });
   }
   const FileRequest request{DecodeTask::kLabels, path, path, grid_name, LoadLimits{}.max_bytes};
   return labels_of(decode_here(request, interruption), request);
@@ -100,11 +103,12 @@ absl::StatusOr<std::vector<GridInfo>> read_grid_list(const std::string& path,
                                                      FileTrust trust,
                                                      const Cancellation& interruption) {
   if (trust == FileTrust::kFull) {
-    return read_here(path, [](const GridFileReader& file) { return file.list(); });
+    return read_here(path, interruption,
+                     [](const GridFileReader& file) { return file.list(); });
   }
   // What the walk tells needs no decoder. What it cannot tell, or open, one is asked for.
-  const auto listed =
-      read_here(path, [](const GridFileReader& file) { return file.list_by_walking(); });
+  const auto listed = read_here(
+      path, interruption, [](const GridFileReader& file) { return file.list_by_walking(); });
   if (listed.ok() && *listed) return **listed;
   const FileRequest request{DecodeTask::kGridList, path, path, "", LoadLimits{}.max_bytes};
   return grid_list_of(decode_here(request, interruption), request);

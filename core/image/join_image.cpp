@@ -97,16 +97,24 @@ File open_data(const std::string& header, const std::string& name) {
   return file;
 }
 
+/// A file that is made of others, one after the other, until somebody cancels it.
+struct Joined {
+  File file;
+  const Cancellation& cancellation;
+};
+
 /// Appends bytes [from, end) of a file.
-void append(const File& from_file, std::uint64_t from, std::uint64_t end, File& to) {
+void append(const File& from_file, std::uint64_t from, std::uint64_t end, Joined& to) {
   std::vector<char> buffer(std::size_t{1} << 20);
   while (from < end) {
+    const absl::Status wanted = check_cancelled(to.cancellation);
+    if (!wanted.ok()) throw ImageRefusal(wanted);
     const auto piece =
         static_cast<std::size_t>(std::min<std::uint64_t>(buffer.size(), end - from));
     const auto count = from_file.read_at(from, std::span(buffer).first(piece));
     if (!count.ok()) throw ImageRefusal(count.status());
     if (*count == 0) refuse_image("a file of its data is cut while it is read");
-    const absl::Status written = to.append(std::string_view(buffer.data(), *count));
+    const absl::Status written = to.file.append(std::string_view(buffer.data(), *count));
     if (!written.ok()) throw ImageRefusal(written);
     from += *count;
   }
@@ -117,7 +125,7 @@ void append_data(const std::string& header,
                  const std::string& name,
                  const DetachedHeader& detached,
                  std::optional<std::uint64_t> bytes,
-                 File& joined) {
+                 Joined& joined) {
   const File file = open_data(header, name);
   const absl::StatusOr<std::uint64_t> size = file.size();
   if (!size.ok()) throw ImageRefusal(size.status());
@@ -132,11 +140,14 @@ void append_data(const std::string& header,
   append(file, skip, bytes ? skip + *bytes : *size, joined);
 }
 
-void join(const std::string& header, const std::string& path) {
+void join(const std::string& header,
+          const std::string& path,
+          const Cancellation& cancellation) {
   const DetachedHeader detached = read_detached(read_head(header));
-  absl::StatusOr<File> joined = File::open(path, O_WRONLY | O_CREAT | O_EXCL, io_error, 0600);
-  if (!joined.ok()) throw ImageRefusal(joined.status());
-  const absl::Status begun = joined->append(detached.attached);
+  absl::StatusOr<File> made = File::open(path, O_WRONLY | O_CREAT | O_EXCL, io_error, 0600);
+  if (!made.ok()) throw ImageRefusal(made.status());
+  Joined joined{*std::move(made), cancellation};
+  const absl::Status begun = joined.file.append(detached.attached);
   if (!begun.ok()) throw ImageRefusal(begun);
   const std::uint64_t files = detached.files.size();
   if (detached.data_bytes % files != 0) {
@@ -146,9 +157,9 @@ void join(const std::string& header, const std::string& path) {
   std::optional<std::uint64_t> bytes;
   if (detached.data_bytes > 0) bytes = detached.data_bytes / files;
   for (const std::string& name : detached.files) {
-    append_data(header, name, detached, bytes, *joined);
+    append_data(header, name, detached, bytes, joined);
   }
-  const absl::Status closed = joined->close();
+  const absl::Status closed = joined.file.close();
   if (!closed.ok()) throw ImageRefusal(closed);
 }
 
@@ -163,9 +174,11 @@ bool is_detached_image(const std::string& path) {
   }
 }
 
-absl::Status join_image(const std::string& header, const std::string& joined) {
+absl::Status join_image(const std::string& header,
+                        const std::string& joined,
+                        const Cancellation& cancellation) {
   try {
-    join(header, joined);
+    join(header, joined, cancellation);
     return absl::OkStatus();
   } catch (const ImageRefusal& refusal) {
     return {refusal.status().code(),

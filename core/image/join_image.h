@@ -6,6 +6,8 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "core/base/cancel.h"
+
 namespace tet {
 
 /// Whether the file is a header whose data are in others. False of what cannot be read.
@@ -16,7 +18,9 @@ bool is_detached_image(const std::string& path);
 /// A header may name files beside it or below alone, and no links: it may be somebody else's,
 /// and what it names goes to where its mesh goes. Errors: those of the header's reader,
 /// kNotFound (a file that it names), kPermissionDenied, kInvalidArgument (a file that is too
-/// short, or elsewhere; says what to do).
-absl::Status join_image(const std::string& header, const std::string& joined);
+/// short, or elsewhere; says what to do), kCancelled.
+absl::Status join_image(const std::string& header,
+                        const std::string& joined,
+                        const Cancellation& cancellation);
 
 }  // namespace tet

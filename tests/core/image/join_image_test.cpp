@@ -43,7 +43,7 @@ class JoinImage : public ::testing::Test {
                       "data file: " +
                           data_file + "\n");
     fs::remove(joined);
-    return join_image(header, joined);
+    return join_image(header, joined, cancellation_);
   }
 
   void link(const std::string& from, const std::string& to) const {
@@ -51,6 +51,7 @@ class JoinImage : public ::testing::Test {
   }
 
   test::TestDirectory folder_;
+  Cancellation cancellation_;
 };
 
 TEST_F(JoinImage, TakesFilesBesideTheHeaderAndBelow) {
@@ -75,7 +76,13 @@ TEST_F(JoinImage, FollowsNoLinksWhateverPartOfANameTheyAre) {
 TEST_F(JoinImage, FollowsTheLinksThatTheHeaderItselfIsNamedBy) {
   ASSERT_EQ(join("below/a.raw"), absl::OkStatus());
   link("way", "own");
-  EXPECT_EQ(join_image(folder_.file("way/a.nhdr"), folder_.file("again")), absl::OkStatus());
+  EXPECT_EQ(join_image(folder_.file("way/a.nhdr"), folder_.file("again"), cancellation_),
+            absl::OkStatus());
+}
+
+TEST_F(JoinImage, EndsWhereItIsCancelled) {
+  cancellation_.cancel();
+  EXPECT_EQ(join("below/a.raw").code(), absl::StatusCode::kCancelled);
 }
 
 TEST_F(JoinImage, CountsNoFilesOfNamesThatNothingOpens) {
