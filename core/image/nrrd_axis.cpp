@@ -15,12 +15,13 @@ double spacings_of(const PlainAxis& axis, Centering as) {
   return as == Centering::kNode ? axis.size - 1 : axis.size;
 }
 
-/// Whether max is where the voxels end, to within what decimals leave.
+/// Whether max is where the voxels end, to within half a voxel: spacings are rounded, which
+/// adds up along an axis, and cells that were taken for nodes are a whole voxel off.
 bool ends_at_max(const PlainAxis& axis, Centering as) {
   const double end = *axis.min + spacings_of(axis, as) * axis.step();
-  const double rounding =
-      1e-3 * std::abs(axis.step()) + 1e-6 * std::max(std::abs(*axis.min), std::abs(*axis.max));
-  return std::abs(end - *axis.max) <= rounding;
+  const double distance = std::abs(end - *axis.max);
+  return distance < 0.5 * std::abs(axis.step()) ||
+         distance <= 1e-6 * std::max(std::abs(*axis.min), std::abs(*axis.max));
 }
 
 /// Whether spacing and ends agree, by either centering where none is said.

@@ -21,6 +21,18 @@ absl::StatusOr<Volume> nrrd_with(const std::string& fields) {
   return load_image(ByteSource(std::as_bytes(std::span(bytes))), "", ImageUse::kField);
 }
 
+/// An image of 512 x 2 x 2 bytes, whose first axis has these fields.
+absl::StatusOr<Volume> long_nrrd_with(const std::string& spacing,
+                                      const std::string& max,
+                                      const std::string& centers) {
+  std::string bytes =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 512 2 2\nencoding: raw\nspacings: " +
+      spacing + " 1 1\naxis mins: 0 nan nan\naxis maxs: " + max +
+      " nan nan\ncenters: " + centers + " ??? ???\n\n";
+  for (int i = 0; i < 512 * 2 * 2; ++i) bytes += static_cast<char>(i / 3);
+  return load_image(ByteSource(std::as_bytes(std::span(bytes))), "", ImageUse::kField);
+}
+
 /// Expects the first voxel and the last one at these places.
 void expect_places(const std::string& fields, const WorldPoint& first, const WorldPoint& last) {
   const auto volume = nrrd_with(fields);
@@ -46,6 +58,24 @@ TEST(NrrdAxes, AreAsEverWhereNothingIsSaidOfTheirCenters) {
   // Both are as long as voxels of 1: as cells, or as nodes.
   expect_places("axis mins: 0 0 0\naxis maxs: 4 5 6\n", {0, 0, 0}, {3, 4, 5});
   expect_places("axis mins: 0 0 0\naxis maxs: 3 4 5\n", {0, 0, 0}, {3, 4, 5});
+}
+
+TEST(NrrdAxes, AgreeWithEndsFromWhichTheirSpacingsAreRounded) {
+  // By 512 voxels of 0.4883 the axis ends at 250.0096.
+  const auto volume = long_nrrd_with("0.4883", "250", "cell");
+  ASSERT_TRUE(volume.ok()) << volume.status();
+  EXPECT_DOUBLE_EQ(volume->transform.to_world({511, 0, 0}).x, 511.5 * 0.4883);
+  EXPECT_TRUE(long_nrrd_with("0.489", "250", "node").ok());
+  // Cells that are taken for nodes are a whole voxel off.
+  EXPECT_FALSE(long_nrrd_with("0.4883", "250", "node").ok());
+  EXPECT_FALSE(long_nrrd_with("0.489", "250", "cell").ok());
+}
+
+TEST(NrrdAxes, AreRefusedWhereTheirEndsAreInfinite) {
+  for (const char* max : {"inf", "-inf"}) {
+    EXPECT_THAT(std::string(long_nrrd_with("2", max, "cell").status().message()),
+                HasSubstr("no finite number"));
+  }
 }
 
 TEST(NrrdAxes, AreRefusedWhereTheirEndsContradictTheirSpacings) {
