@@ -172,9 +172,9 @@ class VtiReader {
         components == nullptr ? 1 : integer_of(*components, "NumberOfComponents");
     if (count < 1 || count > 1'000'000) refuse_image("an array has too many components");
     array.components = static_cast<std::uint32_t>(count);
+    array.name = name_of(tag);
     set_place(array);
     set_data(tag, array);
-    array.name = name_of(tag);
     outline_.arrays.push_back(std::move(array));
     at_points_.push_back(*at_);
   }

@@ -140,6 +140,14 @@ TEST(VtiNames, AreUtf8) {
               ElementsAre("f\xc3\xbcr", "f\xc3\xbcr[cells]"));
 }
 
+TEST(VtiNames, AreToldOfArraysWithoutData) {
+  std::string bytes = vti_with("density", "mass");
+  const std::string filled = "Name=\"density\">0 1 2 3 4 5 6 7</DataArray>";
+  bytes.replace(bytes.find(filled), filled.size(), "Name=\"density\"/>");
+  const auto listed = list_image(source_of(bytes));
+  EXPECT_THAT(std::string(listed.status().message()), HasSubstr("'density' has no data"));
+}
+
 /// A file of gzip that begins with these bytes as they are, and ends with a length.
 std::string packed_file(const std::string& begin, std::size_t bytes, std::uint32_t length) {
   std::string file("\x1f\x8b\x08\0\0\0\0\0\0\xff\0", 11);
