@@ -20,15 +20,6 @@ std::uint64_t voxels_in_bricks(const ImageArray& array) {
   return voxels;
 }
 
-/// How long a file of gzip may be that ends with a length, unless it has much less in it than
-/// images have.
-std::uint64_t longest_unpacked(std::uint64_t claimed, std::uint64_t file_bytes) {
-  constexpr std::uint64_t kLikelyExpansion = 64, kModulus = std::uint64_t{1} << 32;
-  const std::uint64_t most = kLikelyExpansion * file_bytes;
-  if (claimed < file_bytes) return most;  // of one member of several, or of 4 GiB and more
-  return claimed + (most > claimed ? (most - claimed) / kModulus * kModulus : 0);
-}
-
 /// Voxels of the bricks of an image of so many, when nothing is known of its shape: one slice
 /// has an eighth of its bricks, as long as slices are no larger than any scanner's.
 std::uint64_t most_voxels_in_bricks(std::uint64_t voxels) {
@@ -65,16 +56,21 @@ std::uint64_t ImageOutline::reading_bytes(std::uint64_t file_bytes) const noexce
   return volume_bytes() + 2 * values + text;
 }
 
+std::uint64_t ImageOutline::most_unpacked_bytes(std::uint64_t file_bytes) const noexcept {
+  constexpr std::uint64_t kLikelyExpansion = 64;  // of images, and more than most have
+  // What is claimed may be the last member's length alone, or less by 4 GiB and more.
+  return packed ? std::max(kLikelyExpansion * file_bytes, unpacked_bytes) : 0;
+}
+
 std::uint64_t ImageOutline::most_volume_bytes(std::uint64_t file_bytes) const noexcept {
   if (!packed) return volume_bytes();
-  const std::uint64_t voxels =
-      most_voxels_in_bricks(longest_unpacked(unpacked_bytes, file_bytes));
+  const std::uint64_t voxels = most_voxels_in_bricks(most_unpacked_bytes(file_bytes));
   return kVolumeBytesAtLeast + kVolumeBytesPerVoxel * voxels;
 }
 
 std::uint64_t ImageOutline::most_reading_bytes(std::uint64_t file_bytes) const noexcept {
   if (!packed) return reading_bytes(file_bytes);
-  return most_volume_bytes(file_bytes) + 2 * longest_unpacked(unpacked_bytes, file_bytes);
+  return most_volume_bytes(file_bytes) + 2 * most_unpacked_bytes(file_bytes);
 }
 
 }  // namespace tet

@@ -98,6 +98,10 @@ struct ImageOutline {
   /// claims, and of few slices, whose bricks reach far beyond them.
   std::uint64_t most_volume_bytes(std::uint64_t file_bytes) const noexcept;
   std::uint64_t most_reading_bytes(std::uint64_t file_bytes) const noexcept;
+
+  /// How much a packed file may have in it, unless that is much smaller than images are when
+  /// packed; 0 of one that is not.
+  std::uint64_t most_unpacked_bytes(std::uint64_t file_bytes) const noexcept;
 };
 
 const char* format_name(ImageFormat format) noexcept;  ///< "NIfTI"

@@ -332,12 +332,25 @@ ImageOutline outline_unpacked(const ByteSource& source, const ImageOutline& pack
   return outline;
 }
 
+void check_reading(std::uint64_t bytes, std::uint64_t most) {
+  if (bytes <= most) return;
+  throw ImageRefusal(absl::ResourceExhaustedError(absl::StrFormat(
+      "as its header tells when it is unpacked, reading it takes %d bytes of memory, and %d is "
+      "the most that a packed file of its length gets: unpack it, use larger voxels, or raise "
+      "the limit",
+      bytes, most)));
+}
+
 }  // namespace
 
-ImageOutline full_outline(const ByteSource& source) {
+ImageOutline full_outline(const ByteSource& source, std::uint64_t most_reading_bytes) {
   absl::StatusOr<ImageOutline> outline = outline_image(source);
   if (!outline.ok()) throw ImageRefusal(outline.status());
-  if (outline->packed) return outline_unpacked(source, *outline);
+  if (outline->packed) {
+    ImageOutline unpacked = outline_unpacked(source, *outline);
+    check_reading(unpacked.reading_bytes(source.size()), most_reading_bytes);
+    return unpacked;
+  }
   if (!outline->cut) return *std::move(outline);
   std::vector<std::byte> text;
   return read_vti_header(source.window(0, static_cast<std::size_t>(source.size()), text),

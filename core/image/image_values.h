@@ -42,8 +42,9 @@ auto visit_values(ScalarType type, std::span<const std::byte> bytes, const Visit
   return as(double{});
 }
 
-/// An image with what its header tells once it is unpacked. Throws ImageRefusal.
-ImageOutline full_outline(const ByteSource& source);
+/// An image with what its header tells once it is unpacked. Throws ImageRefusal: also where a
+/// packed one, which may be longer than it claims, takes more than so many bytes to be read.
+ImageOutline full_outline(const ByteSource& source, std::uint64_t most_reading_bytes);
 
 /// All numbers of an array of `outline`. Throws ImageRefusal: truncated, broken, not as long as
 /// the header says.

@@ -283,7 +283,7 @@ GridInfo describe_array(const ImageOutline& outline, const ImageArray& array) {
 
 absl::StatusOr<std::vector<GridInfo>> list_image(const ByteSource& source) {
   return guarded_reading([&] {
-    const ImageOutline outline = full_outline(source);
+    const ImageOutline outline = full_outline(source, kNoLimit);
     std::vector<GridInfo> infos;
     for (const ImageArray& array : outline.arrays) {
       infos.push_back(describe_array(outline, array));
@@ -294,9 +294,10 @@ absl::StatusOr<std::vector<GridInfo>> list_image(const ByteSource& source) {
 
 absl::StatusOr<Volume> load_image(const ByteSource& source,
                                   const std::string& name,
-                                  ImageUse use) {
+                                  ImageUse use,
+                                  std::uint64_t most_reading_bytes) {
   return guarded_reading([&] {
-    const ImageOutline outline = full_outline(source);
+    const ImageOutline outline = full_outline(source, most_reading_bytes);
     const ImageArray& array = find_array(outline, name);
     const std::vector<std::byte> bytes = read_values(source, outline, array);
     return visit_values(array.type, bytes, [&](auto stored) {
@@ -306,9 +307,11 @@ absl::StatusOr<Volume> load_image(const ByteSource& source,
   });
 }
 
-absl::StatusOr<LabelVolume> load_labels(const ByteSource& source, const std::string& name) {
+absl::StatusOr<LabelVolume> load_labels(const ByteSource& source,
+                                        const std::string& name,
+                                        std::uint64_t most_reading_bytes) {
   return guarded_reading([&] {
-    const ImageOutline outline = full_outline(source);
+    const ImageOutline outline = full_outline(source, most_reading_bytes);
     const ImageArray& array = find_array(outline, name);
     const std::vector<std::byte> bytes = read_values(source, outline, array);
     return visit_values(array.type, bytes, [&](auto stored) {

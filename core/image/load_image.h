@@ -1,6 +1,7 @@
 // Images in, volumes out.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "core/volume/volume.h"
 
 namespace tet {
+
+inline constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
 
 /// What an image is read for.
 enum class ImageUse : std::uint8_t {
@@ -28,13 +31,17 @@ absl::StatusOr<std::vector<GridInfo>> list_image(const ByteSource& source);
 /// Beyond the image there is its least value; of one whose values have both signs, as signed
 /// distances have, its greatest where the image's faces are nearer to that. Its class is
 /// nobody's: core/volume/inside.h says what that means. Errors: also kNotFound (no such array),
-/// kFailedPrecondition (values that are not finite, or all the same).
+/// kFailedPrecondition (values that are not finite, or all the same), kResourceExhausted (a
+/// packed file that is longer than it claims, and takes more to be read than it may).
 absl::StatusOr<Volume> load_image(const ByteSource& source,
                                   const std::string& name,
-                                  ImageUse use);
+                                  ImageUse use,
+                                  std::uint64_t most_reading_bytes = kNoLimit);
 
 /// One array as labels. Errors: also kFailedPrecondition (values that are no whole numbers, or
 /// more different ones than a segmentation has).
-absl::StatusOr<LabelVolume> load_labels(const ByteSource& source, const std::string& name);
+absl::StatusOr<LabelVolume> load_labels(const ByteSource& source,
+                                        const std::string& name,
+                                        std::uint64_t most_reading_bytes = kNoLimit);
 
 }  // namespace tet

@@ -46,6 +46,7 @@ absl::Status write_result(const DecodeOrder& order, int file, const ByteSink& si
   const OpenGridFile source{file, order.file_bytes, order.file_name};
   LoadLimits limits;
   limits.walked = true;  // by whoever ordered this
+  limits.max_reading_bytes = order.limits.working_bytes;
   const GridFileReader reader(source, limits, prepared_openvdb);
   if (order.task == DecodeTask::kGridList) {
     const absl::StatusOr<std::vector<GridInfo>> grids = reader.list();

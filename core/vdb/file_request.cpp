@@ -76,7 +76,7 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request,
 /// Returns how long a processor may work on the file.
 std::chrono::milliseconds time_for(std::int64_t file_bytes, const MemoryCharge& charge) {
   const std::uint64_t seconds = static_cast<std::uint64_t>(file_bytes) / kFileBytesPerSecond +
-                                charge.reading / kMemoryBytesPerSecond;
+                                (charge.reading + charge.unpacked) / kMemoryBytesPerSecond;
   return kLeastTime + std::chrono::seconds(seconds);
 }
 

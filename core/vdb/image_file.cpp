@@ -40,10 +40,11 @@ absl::StatusOr<MemoryCharge> charge_image(const OpenGridFile& file,
   }
   const absl::Status fits = check_memory(charge, max_volume_bytes, max_reading_bytes);
   if (!fits.ok()) return told_of_image(file, fits);
+  // Whether it is one that takes more than it claims shows only when all of it is unpacked.
+  charge.unpacked = outline->most_unpacked_bytes(file_bytes);
   if (outline->packed && !lists) {
-    // Whether it is one that takes more than it claims shows only when it is unpacked.
-    charge = {std::min(outline->most_volume_bytes(file_bytes), max_volume_bytes),
-              std::min(outline->most_reading_bytes(file_bytes), max_reading_bytes)};
+    charge.volume = std::min(outline->most_volume_bytes(file_bytes), max_volume_bytes);
+    charge.reading = std::min(outline->most_reading_bytes(file_bytes), max_reading_bytes);
   }
   return charge;
 }

@@ -284,7 +284,7 @@ absl::StatusOr<Volume> load(const OpenGridFile& source,
   }
   if (holds_image(source)) {
     if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
-    return load_image_file(source, grid_name, reading.use, reading.component);
+    return load_image_file(source, grid_name, reading.use, reading.component, limits);
   }
   return load_grid(source, grid_name, reading, limits,
                    [&](const openvdb::GridBase& grid) { return reading.copy(grid); });
@@ -358,7 +358,7 @@ absl::StatusOr<LabelVolume> load_labels(const OpenGridFile& source,
     return load_grid(source, grid_name, {GridUse::kLabels}, limits, copy_labels);
   }
   if (absl::Status s = check_image(source, limits, false); !s.ok()) return s;
-  return load_label_file(source, grid_name);
+  return load_label_file(source, grid_name, limits);
 }
 
 void prepare_loading() { openvdb::initialize(); }

@@ -30,17 +30,21 @@ absl::StatusOr<std::vector<GridInfo>> list_image_file(const OpenGridFile& file) 
 absl::StatusOr<Volume> load_image_file(const OpenGridFile& file,
                                        const std::string& name,
                                        GridUse use,
-                                       std::uint32_t component) {
+                                       std::uint32_t component,
+                                       const LoadLimits& limits) {
   if (component > 0) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "'%s': its values are numbers: there is no component %d", file.name, component));
   }
   return told(file, load_image(source_of(file), name,
-                               use == GridUse::kField ? ImageUse::kField : ImageUse::kSurface));
+                               use == GridUse::kField ? ImageUse::kField : ImageUse::kSurface,
+                               limits.max_reading_bytes));
 }
 
-absl::StatusOr<LabelVolume> load_label_file(const OpenGridFile& file, const std::string& name) {
-  return told(file, load_labels(source_of(file), name));
+absl::StatusOr<LabelVolume> load_label_file(const OpenGridFile& file,
+                                            const std::string& name,
+                                            const LoadLimits& limits) {
+  return told(file, load_labels(source_of(file), name, limits.max_reading_bytes));
 }
 
 }  // namespace tet

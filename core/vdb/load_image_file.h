@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/vdb/charge_file.h"
+#include "core/vdb/load_limits.h"
 #include "core/volume/grid_info.h"
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
@@ -19,7 +20,10 @@ absl::StatusOr<std::vector<GridInfo>> list_image_file(const OpenGridFile& file);
 absl::StatusOr<Volume> load_image_file(const OpenGridFile& file,
                                        const std::string& name,
                                        GridUse use,
-                                       std::uint32_t component);
-absl::StatusOr<LabelVolume> load_label_file(const OpenGridFile& file, const std::string& name);
+                                       std::uint32_t component,
+                                       const LoadLimits& limits);
+absl::StatusOr<LabelVolume> load_label_file(const OpenGridFile& file,
+                                            const std::string& name,
+                                            const LoadLimits& limits);
 
 }  // namespace tet

@@ -15,10 +15,11 @@ namespace tet {
 /// `Volume`.
 void charge_memory(TreeOutline& tree, const TreeType& type);
 
-/// The most memory that is held at once, in bytes.
+/// What reading a file takes at most, in bytes.
 struct MemoryCharge {
-  std::uint64_t volume = 0;   ///< by the volume that is made
-  std::uint64_t reading = 0;  ///< by all there is while it is made
+  std::uint64_t volume = 0;    ///< held at once by the volume that is made
+  std::uint64_t reading = 0;   ///< held at once by all there is while it is made
+  std::uint64_t unpacked = 0;  ///< unpacked and dropped: it takes time, and no memory
 };
 
 /// What a grid is read for: which grids will do, and what is made of them.

@@ -59,7 +59,7 @@ absl::StatusOr<Volume> read_values(const OpenGridFile& file,
                                    const FindOpenVdb& find) {
   if (holds_image(file)) {
     if (absl::Status s = check_image(file, limits, false); !s.ok()) return s;
-    return load_image_file(file, grid_name, use, component);
+    return load_image_file(file, grid_name, use, component, limits);
   }
   const bool walks = !holds_triangles(file);
   if (walks) {
@@ -113,7 +113,7 @@ absl::StatusOr<Volume> GridFileReader::field(const std::string& grid_name,
 absl::StatusOr<LabelVolume> GridFileReader::labels(const std::string& grid_name) const {
   if (holds_image(file_)) {
     if (absl::Status s = check_image(file_, limits_, false); !s.ok()) return s;
-    return load_label_file(file_, grid_name);
+    return load_label_file(file_, grid_name, limits_);
   }
   return load_with_openvdb(find_openvdb_, limits_, /*walked=*/false,
                            [&](const OpenVdbPart& part, const LoadLimits& limits) {

@@ -189,6 +189,31 @@ TEST(PackedImage, MayBeLongerThanGzipCanSay) {
               HasSubstr("it is truncated"));
 }
 
+TEST(PackedImage, IsChargedForAllMembersWhateverTheLastClaims) {
+  // 2 GB in 60 MB, of which the last member has 100 MB.
+  const std::string file = packed_file(header_of(1000, 1000, 1000), 60'000'000, 100'000'000);
+  const auto outline = outline_image(source_of(file));
+  ASSERT_TRUE(outline.ok()) << outline.status();
+  EXPECT_GT(outline->most_reading_bytes(file.size()), 4'000'000'000U);
+  EXPECT_GT(outline->most_volume_bytes(file.size()), 4'000'000'000U);
+}
+
+TEST(PackedImage, IsRefusedWithNumbersWhereItIsLongerThanItsEndClaims) {
+  // 6 GB, of which gzip stores 1.7.
+  const auto stored = static_cast<std::uint32_t>(352 + 2 * 1000ULL * 1000 * 3000);
+  const std::string file = packed_file(header_of(1000, 1000, 3000), 100'000'000, stored);
+  constexpr std::uint64_t kMost = 13'000'000'000;  // more than what it claims would take
+  const auto outline = outline_image(source_of(file));
+  ASSERT_TRUE(outline.ok()) << outline.status();
+  ASSERT_LT(outline->reading_bytes(file.size()), kMost);
+  for (const absl::Status& status :
+       {load_image(source_of(file), "", ImageUse::kField, kMost).status(),
+        load_labels(source_of(file), "", kMost).status()}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("13000000000 is the most"));
+  }
+}
+
 TEST(PackedImage, IsChargedForWholeBricksOfFewSlices) {
   for (const std::int16_t slices : std::array<std::int16_t, 3>{1, 2, 8}) {
     const std::string header = header_of(2048, 2048, slices);

@@ -66,6 +66,18 @@ TEST_F(DecoderTest, ListsWhatThisProcessWouldList) {
   EXPECT_EQ(there->front().active_voxels, list_grids(path_)->front().active_voxels);
 }
 
+TEST_F(DecoderTest, HasTimeToListWhatHasToBeUnpackedForThat) {
+  // By bgzip, whose last member has nothing in it: 6 GB, as far as anybody knows.
+  test::write_bytes(path_, std::string("\x1f\x8b\x08\x04", 4));
+  std::filesystem::resize_file(path_, 100'000'000);
+  FileRequest list = request();
+  list.task = DecodeTask::kGridList;
+  const auto checked = check_request(list, std::chrono::hours(1));
+  ASSERT_TRUE(checked.ok()) << checked.status();
+  EXPECT_GE(checked->order.limits.cpu_seconds, 100U);
+  EXPECT_LT(checked->order.limits.working_bytes, 100'000'000U);  // it is not kept
+}
+
 TEST_F(DecoderTest, HandsBackEachComponentOfAField) {
   test::write_fixture("vec3", 0.1, path_);
   FileRequest field = request("vec3");
