@@ -65,10 +65,11 @@ std::vector<Triangle> fan(std::size_t corners) {
   return triangles;
 }
 
-/// How often a polygon's corners are looked at, at most, divided by their number. An outline of
-/// 30,000 corners takes hundreds, and a spiral of as many 18,600; one that was made to take
-/// long would take the square of its corners.
-constexpr std::size_t kMostLooks = std::size_t{1} << 15;
+/// How often a polygon's corners are looked at, at most, divided by their number, before others
+/// have less of the looks that they share. An outline of 30,000 corners takes hundreds, and a
+/// spiral of as many 18,600; one that was made to take long would take the square of its
+/// corners.
+constexpr std::uint64_t kOwnLooks = std::uint64_t{1} << 15;
 
 /// The corners that are left, in a ring; and all of them from left to right, so that whoever
 /// looks for those in an ear looks at few.
@@ -89,12 +90,12 @@ class EarCutter {
     std::ranges::sort(by_x_, {}, [&](std::size_t i) { return points[i].x; });
   }
 
-  /// Gives no triangles where there is no ear to be found, or none in bearable time.
-  std::vector<Triangle> cut() {
+  /// Gives no triangles where there is no ear to be found, or none in so many looks.
+  std::vector<Triangle> cut(std::uint64_t most_looks) {
     std::vector<Triangle> triangles;
     std::size_t left = points_.size(), corner = 0, tried = 0;
     while (left > 3) {
-      if (tried > left || looks_ / points_.size() >= kMostLooks) return {};
+      if (tried > left || looks_ >= most_looks) return {};
       if (!is_ear(corner)) {
         corner = next_[corner];
         ++tried;
@@ -112,6 +113,9 @@ class EarCutter {
     triangles.push_back(triangle_at(corner));
     return triangles;
   }
+
+  /// How often a corner was looked at.
+  std::uint64_t looks() const noexcept { return looks_; }
 
  private:
   Triangle triangle_at(std::size_t corner) const {
@@ -146,18 +150,24 @@ class EarCutter {
   std::vector<std::size_t> next_, previous_;
   std::vector<std::uint8_t> is_cut_;
   std::vector<std::size_t> by_x_;
-  std::size_t looks_ = 0;
+  std::uint64_t looks_ = 0;
 };
 
 }  // namespace
 
-std::vector<Triangle> triangulate_polygon(std::span<const WorldPoint> points) {
+std::vector<Triangle> triangulate_polygon(std::span<const WorldPoint> points,
+                                          std::uint64_t& spare_looks) {
   if (points.size() <= 3) return fan(points.size());
   const Vector normal = newell_normal(points);
   if (!(dot(normal, normal) > 0)) return fan(points.size());
   const std::vector<FlatPoint> flat = flattened(points, normal);
   if (is_convex(flat)) return fan(points.size());
-  std::vector<Triangle> triangles = EarCutter(flat).cut();
+  const std::uint64_t own_looks = kOwnLooks * points.size();
+  EarCutter cutter(flat);
+  std::vector<Triangle> triangles = cutter.cut(own_looks + spare_looks);
+  if (cutter.looks() > own_looks) {
+    spare_looks -= std::min(spare_looks, cutter.looks() - own_looks);
+  }
   return triangles.empty() ? fan(points.size()) : triangles;
 }
 

@@ -15,9 +15,14 @@ namespace tet {
 ///
 /// Ears are cut off, as seen along the polygon's mean normal: those whose triangle holds no
 /// other corner. A polygon that crosses itself, has no area, or is so tangled that finding ears
-/// takes more than tens of thousands of looks for each corner gets a fan. Convex polygons get
-/// the fan of their first corner.
+/// takes too many looks at its corners gets a fan: more than tens of thousands for each corner,
+/// and the `spare_looks` beyond that, from which those that it took are taken. Convex polygons
+/// get the fan of their first corner.
 std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(
-    std::span<const WorldPoint> points);
+    std::span<const WorldPoint> points, std::uint64_t& spare_looks);
+
+/// What the polygons of one file have together: seconds of a processor. A band of five corners
+/// a turn that winds itself up takes as many when it has 8,000, and one that is round 100,000.
+inline constexpr std::uint64_t kSpareLooks = std::uint64_t{1} << 33;
 
 }  // namespace tet

@@ -6,6 +6,7 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/surface/triangulate_polygon.h"
 #include "core/triangle_files/surface_file.h"
 #include "core/triangle_files/surface_reading.h"
 
@@ -27,13 +28,20 @@ absl::StatusOr<std::uint32_t> parse_corner(std::string_view word, std::size_t ve
   return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
 }
 
-absl::Status read_face(std::string_view words,
-                       std::vector<std::uint32_t>& corners,
-                       TriangleSurface& surface) {
+/// What was read of a file so far, and room for a face's corners.
+struct ObjParts {
+  TriangleSurface surface;
+  std::vector<std::uint32_t> corners;
+  std::uint64_t spare_looks = kSpareLooks;
+};
+
+absl::Status read_face(std::string_view words, ObjParts& parts) {
+  std::vector<std::uint32_t>& corners = parts.corners;
   corners.clear();
   for (std::string_view word = take_word(words); !word.empty(); word = take_word(words)) {
     if (word.starts_with('#')) break;
-    const absl::StatusOr<std::uint32_t> corner = parse_corner(word, surface.vertices.size());
+    const absl::StatusOr<std::uint32_t> corner =
+        parse_corner(word, parts.surface.vertices.size());
     if (!corner.ok()) return corner.status();
     corners.push_back(*corner);
   }
@@ -41,7 +49,7 @@ absl::Status read_face(std::string_view words,
     return absl::InvalidArgumentError(
         absl::StrFormat("a face has %d corners; it needs three", corners.size()));
   }
-  add_polygon(corners, surface);
+  add_polygon(corners, parts.surface, parts.spare_looks);
   return absl::OkStatus();
 }
 
@@ -94,12 +102,10 @@ bool is_unreadable(std::string_view keyword) {
   return std::ranges::find(kUnreadable, keyword) != kUnreadable.end();
 }
 
-absl::Status read_statement(std::string_view words,
-                            std::vector<std::uint32_t>& corners,
-                            TriangleSurface& surface) {
+absl::Status read_statement(std::string_view words, ObjParts& parts) {
   const std::string_view keyword = take_word(words);
   // "fo" is a face of version 2.
-  if (keyword == "f" || keyword == "fo") return read_face(words, corners, surface);
+  if (keyword == "f" || keyword == "fo") return read_face(words, parts);
   if (is_unreadable(keyword)) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "'%s' cannot be read, only polygons: export the surface as polygons", keyword));
@@ -109,7 +115,7 @@ absl::Status read_statement(std::string_view words,
   if (!take_point(words, point)) {
     return absl::InvalidArgumentError("a vertex needs three finite numbers");
   }
-  surface.vertices.push_back(point);
+  parts.surface.vertices.push_back(point);
   return absl::OkStatus();
 }
 
@@ -117,14 +123,13 @@ absl::Status read_statement(std::string_view words,
 
 absl::StatusOr<TriangleSurface> read_obj(std::string_view text) {
   if (absl::Status s = check_not_utf16(text); !s.ok()) return s;
-  TriangleSurface surface;
-  std::vector<std::uint32_t> corners;
+  ObjParts parts;
   StatementReader statements(without_byte_order_mark(text));
   while (statements.next()) {
-    const absl::Status status = read_statement(statements.statement(), corners, surface);
+    const absl::Status status = read_statement(statements.statement(), parts);
     if (!status.ok()) return line_error(statements.number(), std::string(status.message()));
   }
-  return checked(std::move(surface));
+  return checked(std::move(parts.surface));
 }
 
 }  // namespace tet

@@ -6,6 +6,7 @@
 
 #include <absl/strings/str_format.h>
 
+#include "core/surface/triangulate_polygon.h"
 #include "core/triangle_files/ply_header.h"
 #include "core/triangle_files/surface_file.h"
 #include "core/triangle_files/surface_reading.h"
@@ -212,12 +213,13 @@ struct PlyParts {
   TriangleSurface surface;
   /// Polygons of vertices that come after them: how these are cut depends on where they lie.
   std::vector<std::vector<std::uint32_t>> later;
+  std::uint64_t spare_looks = kSpareLooks;
 
   void add(std::span<const std::uint32_t> corners) {
     const bool known = std::ranges::all_of(
         corners, [&](std::uint32_t id) { return id < surface.vertices.size(); });
     if (known || corners.size() <= 3) {
-      add_polygon(corners, surface);
+      add_polygon(corners, surface, spare_looks);
     } else {
       later.emplace_back(corners.begin(), corners.end());
     }
@@ -310,7 +312,9 @@ absl::StatusOr<TriangleSurface> read_ply(std::string_view bytes) {
     return byte_error(body,
                       "the header's elements end here, but more follows: a count is wrong");
   }
-  for (const auto& corners : parts.later) add_polygon(corners, parts.surface);
+  for (const auto& corners : parts.later) {
+    add_polygon(corners, parts.surface, parts.spare_looks);
+  }
   if (absl::Status s = check_corners(parts.surface); !s.ok()) return s;
   return checked(std::move(parts.surface));
 }

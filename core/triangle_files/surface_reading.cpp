@@ -84,7 +84,9 @@ bool take_point(std::string_view& text, WorldPoint& point) {
          parse_number(take_word(text), point.z);
 }
 
-void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surface) {
+void add_polygon(std::span<const std::uint32_t> corners,
+                 TriangleSurface& surface,
+                 std::uint64_t& spare_looks) {
   const bool known = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t id) {
     return id < surface.vertices.size();
   });
@@ -92,7 +94,7 @@ void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surfac
   for (std::size_t i = 0; known && i < corners.size(); ++i) {
     points[i] = surface.vertices[corners[i]];
   }
-  for (const auto& [a, b, c] : triangulate_polygon(points)) {
+  for (const auto& [a, b, c] : triangulate_polygon(points, spare_looks)) {
     surface.triangles.push_back({corners[a], corners[b], corners[c]});
   }
 }

@@ -56,8 +56,11 @@ bool parse_number(std::string_view word, std::int64_t& value);
 bool take_point(std::string_view& text, WorldPoint& point);
 
 /// Adds a polygon as triangles, by ears that are cut off it; as a fan around its first corner
-/// where it names vertices that there are not.
-void add_polygon(std::span<const std::uint32_t> corners, TriangleSurface& surface);
+/// where it names vertices that there are not. `spare_looks` is of all polygons of a file: see
+/// triangulate_polygon.
+void add_polygon(std::span<const std::uint32_t> corners,
+                 TriangleSurface& surface,
+                 std::uint64_t& spare_looks);
 
 /// The surface, or why it is none: no triangles, too many vertices.
 absl::StatusOr<TriangleSurface> checked(TriangleSurface surface);

@@ -13,6 +13,12 @@
 namespace tet {
 namespace {
 
+/// Cuts a polygon that is its file's only one.
+std::vector<std::array<std::uint32_t, 3>> triangles_of(std::span<const WorldPoint> polygon) {
+  std::uint64_t spare_looks = kSpareLooks;
+  return triangulate_polygon(polygon, spare_looks);
+}
+
 /// Sums of the triangles' areas: as they are wound along the polygon's own normal, and without
 /// their signs.
 struct Areas {
@@ -21,7 +27,7 @@ struct Areas {
 
 Areas areas_of(const std::vector<WorldPoint>& polygon) {
   Areas areas;
-  for (const auto& [a, b, c] : triangulate_polygon(polygon)) {
+  for (const auto& [a, b, c] : triangles_of(polygon)) {
     const Vector n = cross(from_to(polygon[a], polygon[b]), from_to(polygon[a], polygon[c]));
     areas.wound += n.z / 2;
     areas.all += std::abs(n.z) / 2;
@@ -53,7 +59,7 @@ TEST(TriangulatePolygon, CoversConcavePolygonsOnceWhereverTheyBegin) {
     }
     for (std::size_t first = 0; first < polygon.size(); ++first) {
       auto from_there = turned_by(polygon, first);
-      EXPECT_EQ(triangulate_polygon(from_there).size(), polygon.size() - 2);
+      EXPECT_EQ(triangles_of(from_there).size(), polygon.size() - 2);
       EXPECT_NEAR(areas_of(from_there).wound, area, 1e-9);
       EXPECT_NEAR(areas_of(from_there).all, area, 1e-9);
       std::reverse(from_there.begin(), from_there.end());
@@ -66,13 +72,13 @@ TEST(TriangulatePolygon, CoversConcavePolygonsOnceWhereverTheyBegin) {
 TEST(TriangulatePolygon, FansConvexPolygonsAndWhatIsNone) {
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
   const std::vector<WorldPoint> square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  EXPECT_EQ(triangulate_polygon(square), (Triangles{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(triangles_of(square), (Triangles{{0, 1, 2}, {0, 2, 3}}));
   const std::vector<WorldPoint> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  EXPECT_EQ(triangulate_polygon(line).size(), 2U);
+  EXPECT_EQ(triangles_of(line).size(), 2U);
   const std::vector<WorldPoint> bow{{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 3, 0}};
-  EXPECT_EQ(triangulate_polygon(bow).size(), 2U);
-  EXPECT_TRUE(triangulate_polygon(std::span(square).first(2)).empty());
-  EXPECT_TRUE(triangulate_polygon({}).empty());
+  EXPECT_EQ(triangles_of(bow).size(), 2U);
+  EXPECT_TRUE(triangles_of(std::span(square).first(2)).empty());
+  EXPECT_TRUE(triangles_of({}).empty());
 }
 
 /// A polygon that crosses itself, with ears that are found one by one: between two of them all
@@ -97,9 +103,42 @@ std::vector<WorldPoint> tangled(int teeth) {
 TEST(TriangulatePolygon, FansWhatWouldTakeTheCubeOfItsCorners) {
   const auto polygon = tangled(test::sanitized_or(1000, 4000));  // minutes, to the end
   const std::chrono::nanoseconds before = thread_time();
-  const auto triangles = triangulate_polygon(polygon);
+  std::uint64_t spare_looks = 0;
+  const auto triangles = triangulate_polygon(polygon, spare_looks);
   EXPECT_LT(thread_time() - before, std::chrono::seconds(30));
   EXPECT_EQ(triangles.size(), polygon.size() - 2);
+}
+
+/// A band of this many corners a side that winds itself up, five corners a turn: an ear is
+/// found at its ends alone, and all corners between them are tried.
+std::vector<WorldPoint> wound_up(int corners) {
+  std::vector<WorldPoint> polygon;
+  for (const double inset : {0.0, 0.5}) {
+    for (int i = 0; i < corners; ++i) {
+      const int at = inset > 0 ? i : corners - 1 - i;
+      const double angle = 2 * M_PI * at / 5, radius = 1 + at / 5.0 + inset;
+      polygon.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    }
+  }
+  return polygon;
+}
+
+TEST(TriangulatePolygon, CutsTheEarsOfBandsThatAreWoundUp) {
+  const Areas areas = areas_of(wound_up(750));
+  EXPECT_NEAR(areas.wound, areas.all, 1e-9 * areas.all);
+}
+
+TEST(TriangulatePolygon, TakesWhatSeveralTakeFromOneStore) {
+  const auto polygon = wound_up(750);
+  std::uint64_t spare_looks = kSpareLooks;
+  const auto cut = triangulate_polygon(polygon, spare_looks);
+  const std::uint64_t taken = kSpareLooks - spare_looks;
+  ASSERT_GT(taken, 0U);
+  spare_looks = taken + taken / 2;
+  EXPECT_TRUE(triangulate_polygon(polygon, spare_looks) == cut);
+  EXPECT_EQ(spare_looks, taken / 2);
+  EXPECT_FALSE(triangulate_polygon(polygon, spare_looks) == cut);
+  EXPECT_EQ(spare_looks, 0U);
 }
 
 TEST(TriangulatePolygon, CutsTheEarsOfLongCombsToTheEnd) {
