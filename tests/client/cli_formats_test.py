@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import subprocess
+import signal
 import unittest
 
 from command_case import REFUSED, USAGE, CommandTest, binaries
@@ -107,6 +108,16 @@ class Printed(CommandTest):
 
     def test_report_takes_no_meshs_place(self):
         link = self.inputs / "link.vtu"
+    def test_that_nobody_reads_ends_as_by_a_broken_pipe(self):
+        for command in (("formats",), ("info", self.inputs / "sphere.vdb", "--json")):
+            with self.subTest(command):
+                reader, writer = os.pipe()
+                os.close(reader)
+                result = subprocess.run([binaries() / "tetstream", *command], stdout=writer, stderr=subprocess.PIPE,
+                                        text=True, check=False)
+                os.close(writer)
+                self.assertEqual((result.returncode, result.stderr), (128 + signal.SIGPIPE, ""))
+
         link.symlink_to(self.out / "mesh.vtu")
         for report in (self.out / "mesh.vtu", link):
             self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--report", report), REFUSED, "mesh.vtu")

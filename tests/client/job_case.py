@@ -23,11 +23,11 @@ class JobTest(ServerTest):
         return self.tetstream("job", command, *arguments, "--server", self.address,
                               env=self.environment, **options)
 
-    def start_job_command(self, command, *arguments):
+    def start_job_command(self, command, *arguments, stdout=subprocess.PIPE):
         return subprocess.Popen(
             [binaries() / "tetstream", "job", command, *map(str, arguments),
              "--server", self.address],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
+            stdout=stdout, stderr=subprocess.PIPE, text=True, env=self.environment)
 
     def objects(self, result):
         """The lines of a command that succeeded, as JSON."""

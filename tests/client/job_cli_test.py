@@ -436,6 +436,25 @@ class JobWatch(JobTest):
         revisions = [event["revision"] for event in told]
         self.assertEqual(revisions, sorted(set(revisions)))
 
+    def test_that_cannot_be_written_ends(self):
+        one, = self.submit(self.inputs / "sphere.vdb")
+        with open("/dev/full", "w") as full:
+            process = self.start_job_command("watch", one, "--json", stdout=full)
+        _, errors = process.communicate(timeout=GENEROUS_END)
+        self.assertEqual(process.returncode, REFUSED, errors)
+        self.assertIn("what it printed cannot be written", errors)
+
+    def test_that_nobody_reads_ends_with_the_next_change(self):
+        one, two = (self.submit(self.inputs / "sphere.vdb")[0] for _ in range(2))
+        process = self.start_job_command("watch", one, two, "--json")
+        for _ in (one, two):
+            self.assertTrue(process.stdout.readline())
+        process.stdout.close()
+        self.objects(self.job("cancel", one, "--json"))
+        self.assertEqual(process.wait(GENEROUS_END), 128 + signal.SIGPIPE)
+        self.assertEqual(process.stderr.read(), "")
+        process.stderr.close()
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -143,8 +143,8 @@ absl::Status watch_from(std::int64_t after,
   const auto see = [&](const v1::JobEvent& event) {
     after = event.revision();
     if (!watched.watches(event)) return true;
-    session.print(as_json(event), event_line(event));
-    return watched.take(event);
+    // What nobody reads is at its end, which main tells of.
+    return session.print(as_json(event), event_line(event)) && watched.take(event);
   };
   for (;;) {
     const absl::Status status = session.jobs.watch(watched.only(), after, see, cancellation);

@@ -1,5 +1,7 @@
 #include "client/command/job/job_session.h"
 
+#include <cstdio>
+
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
@@ -25,8 +27,9 @@ absl::StatusOr<std::unique_ptr<JobSession>> JobSession::open(
   return std::unique_ptr<JobSession>(new JobSession(*connection, arguments.json));
 }
 
-void JobSession::print(const nlohmann::ordered_json& object, const std::string& text) {
+bool JobSession::print(const nlohmann::ordered_json& object, const std::string& text) {
   json ? bar.say(line_of(object), stdout) : bar.say_lines(text, stdout);
+  return std::ferror(stdout) == 0;
 }
 
 void JobSession::failed(const std::string& name, const absl::Status& status) {

@@ -36,8 +36,9 @@ class JobSession {
   ProgressBar bar;
   const bool json;
 
-  /// A line of results: `object` for programs, `text` for people.
-  void print(const nlohmann::ordered_json& object, const std::string& text);
+  /// A line of results: `object` for programs, `text` for people. False where some of what was
+  /// printed did not arrive: then nobody reads what follows.
+  bool print(const nlohmann::ordered_json& object, const std::string& text);
 
   /// One of many failed, and the others go on: told on stderr, or to programs as an object.
   void failed(const std::string& name, const absl::Status& status);
