@@ -138,8 +138,6 @@ FormatNames names_in(MeshFormat format) {
   switch (format) {
     case MeshFormat::kMsh:
       return {.groups = kMshNames};
-    case MeshFormat::kVtkHdf:
-      return {.groups = kVtkHdfNames};
     case MeshFormat::kInp:
       return {.groups = kInpNames};
     case MeshFormat::kExodus:
@@ -249,3 +247,6 @@ std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh
 }
 
 }  // namespace tet
+  if (format == MeshFormat::kVtkHdf) {  // which names parts, and neither labels nor faces
+    tell_changes(names_of(mesh.parts), part_names_in_vtkhdf(mesh), "part", told);
+  }

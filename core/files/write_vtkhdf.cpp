@@ -8,11 +8,14 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/files/file_names.h"
 #include "core/files/hdf5_outline.h"
 #include "core/files/mesh_columns.h"
 
 namespace tet {
 namespace {
+
+constexpr NameRule kPartNames{.most_bytes = 4096, .letter_first = false, .bad_characters = "/"};
 
 using Column = Hdf5Outline::Column;
 constexpr Column kNoColumn = Hdf5Outline::kNoColumn;
@@ -27,9 +30,7 @@ struct Layout {
 /// Which number the part of each grid has, as arrays called like the grids.
 void add_part_names(Hdf5Outline& outline, const MeshHeader& mesh) {
   outline.group("FieldData");
-  std::vector<std::string> names = names_of(mesh.parts);
-  std::ranges::replace(names, ".", "_");  // the group itself
-  names = names_in_file(names, kVtkHdfNames);
+  const std::vector<std::string> names = part_names_in_vtkhdf(mesh);
   for (std::size_t i = 0; i < names.size(); ++i) {
     outline.number(absl::StrCat("FieldData/", names[i]), i + 1);
   }
@@ -79,6 +80,12 @@ Layout lay_out(Hdf5Outline& outline,
 }
 
 }  // namespace
+
+std::vector<std::string> part_names_in_vtkhdf(const MeshHeader& mesh) {
+  std::vector<std::string> names = names_of(mesh.parts);
+  std::ranges::replace(names, ".", "_");
+  return names_in_file(names, kPartNames);
+}
 
 absl::StatusOr<FileColumns> begin_vtkhdf(AtomicFile& file,
                                          BlockWriter& writer,

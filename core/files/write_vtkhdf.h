@@ -1,20 +1,22 @@
 // VTK's HDF5 unstructured grid (.vtkhdf), version 1.0.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "core/files/block_writer.h"
 #include "core/files/file_mesh.h"
-#include "core/files/file_names.h"
 #include "core/files/mesh_columns.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
 
-/// HDF5 takes a `/` for the way to something within.
-inline constexpr NameRule kVtkHdfNames{
-    .most_bytes = 4096, .letter_first = false, .bad_characters = "/"};
+/// What the file calls the mesh's parts, which are arrays of a group: HDF5 takes a `/` for the
+/// way to something within, and `.` for the group itself.
+std::vector<std::string> part_names_in_vtkhdf(const MeshHeader& mesh);
 
 /// Makes the file of a mesh of this header and shape as long as it will be, and writes all of
 /// it but the columns: see write_columns. `writer` is one of `file`. Errors: those of

@@ -315,6 +315,17 @@ TEST(FileNames, ThatChangeAreTold) {
 TEST_F(MeshFileTest, RefusesWhatAFormatCannotCount) {
   TetMesh mesh = kuhn_mesh(1);
   mesh.header.vertex_count = 1'000'000'000;
+TEST(FileNames, ThatChangeAreToldOfPartsAloneWhereAFormatNamesNothingElse) {
+  MeshHeader header;
+  header.parts = {{.name = "femur"}, {.name = "a/b"}, {.name = "."}};
+  EXPECT_THAT(
+      changed_names(MeshFormat::kVtkHdf, header),
+      ElementsAre("the file calls the part \"a/b\" a_b", "the file calls the part \".\" _"));
+  MeshHeader labelled;
+  labelled.labels = {{.name = "a/b"}};
+  EXPECT_THAT(changed_names(MeshFormat::kVtkHdf, labelled), ElementsAre());
+}
+
   const absl::Status status = write_mesh_file(path("m.inp"), mesh);
   EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(
