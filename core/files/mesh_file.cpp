@@ -67,20 +67,22 @@ FileWriter writer_of(MeshFormat format) {
   return nullptr;
 }
 
-/// The .h5 beside an .xdmf; behind a symbolic link beside the file that it leads to. Errors:
+/// The .h5 beside an .xdmf, or the .hdf5 beside an index that is called otherwise: no two
+/// meshes have one. Behind a symbolic link it is beside the file that this leads to. Errors:
 /// kInvalidArgument (a name that no index can have).
 absl::StatusOr<std::string> columns_path(const std::string& path) {
   fs::path columns = link_target(path);
-  if (absl::AsciiStrToLower(columns.extension().string()) == ".h5") {
+  const std::string ending = absl::AsciiStrToLower(columns.extension().string());
+  if (ending == ".h5" || ending == ".hdf5") {
     return absl::InvalidArgumentError(absl::StrCat(
         "the output ", path,
         " has the name of the file beside it: end it in .xdmf, and the .h5 comes too"));
   }
-  // Only that ending is ours: of `mesh.0.04` and `mesh.0.05` each has columns of its own.
-  if (absl::AsciiStrToLower(columns.extension().string()) == ".xdmf") {
+  // Only that ending gives way: `mesh`, `mesh.XDMF` and `mesh.0.04` have columns of their own.
+  if (columns.extension() == ".xdmf") {
     columns.replace_extension(".h5");
   } else {
-    columns += ".h5";
+    columns += ".hdf5";
   }
   if (columns.filename().string().find(':') != std::string::npos) {
     return absl::InvalidArgumentError(

@@ -44,7 +44,8 @@ class Formats(CommandTest):
                 by_ending = self.contents(self.out / f"mesh{ending}")
                 self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / "mesh",
                                                 "--format", name))
-                self.assertEqual(self.contents(self.out / "mesh"), by_ending)
+                by_name = [content.replace(b"mesh.hdf5", b"mesh.h5") for content in self.contents(self.out / "mesh")]
+                self.assertEqual(by_name, by_ending)
                 self.assertGreater(sum(map(len, by_ending)), 1000)
 
     def test_that_take_parts_keep_no_mesh_in_memory(self):
