@@ -16,6 +16,7 @@
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
 #include "client/command/placed_array.h"
+#include "client/command/report_place.h"
 #include "client/command/scene_input.h"
 #include "client/command/stopwatch.h"
 #include "client/command/use_shape.h"
@@ -136,19 +137,13 @@ absl::Status check_output(const MeshOptions& options) {
 }
 
 /// All that can be refused before hours of work.
-absl::Status check_options(const MeshOptions& options) {
+absl::Status check_options(const MeshArguments& arguments, const MeshOptions& options) {
   absl::Status status = check_input(options);
   if (status.ok()) status = check_encoding(options);
   if (status.ok()) status = check_cache(options);
   if (status.ok()) status = check_order(options);
   if (status.ok()) status = check_output(options);
-  if (status.ok() && !options.report.empty()) status = check_can_create(options.report);
-  if (status.ok() && !options.report.empty() &&
-      link_target(options.report) == link_target(options.output)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the report would take the place of the mesh: both are to be ",
-                     options.output, "; name another file for one of them"));
-  }
+  if (status.ok()) status = check_report_place(arguments, options);
   return status;
 }
 
@@ -193,7 +188,7 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   const Stopwatch watch;
   absl::StatusOr<MeshOptions> options = understand_input(arguments);
   if (!options.ok()) return options.status();
-  if (auto status = check_options(*options); !status.ok()) return status;
+  if (auto status = check_options(arguments, *options); !status.ok()) return status;
   const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options, interruption);
   if (!placed.ok()) return placed.status();
 

@@ -200,6 +200,15 @@ absl::Status check_can_write(const MeshOutput& output) {
   return check_can_create(output.path);
 }
 
+absl::StatusOr<std::vector<std::string>> files_of(const MeshOutput& output) {
+  std::vector<std::string> files{output.path};
+  if (output.format != MeshFormat::kXdmf) return files;
+  absl::StatusOr<std::string> columns = columns_path(output.path);
+  if (!columns.ok()) return columns.status();
+  files.push_back(*std::move(columns));
+  return files;
+}
+
 absl::Status check_takes_second_order(const MeshOutput& output) {
   if (!row_of(output.format).second_order.empty()) return absl::OkStatus();
   std::vector<std::string> endings;
@@ -238,6 +247,9 @@ std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh
   const auto tell = [&](const std::vector<std::string>& names, std::string_view things) {
     if (rules.groups) tell_changes(names, names_in_file(names, *rules.groups), things, told);
   };
+  if (format == MeshFormat::kVtkHdf) {  // which names parts, and neither labels nor faces
+    tell_changes(names_of(mesh.parts), part_names_in_vtkhdf(mesh), "part", told);
+  }
   tell(names_of(mesh.parts), "part");
   tell(distinct_names(mesh.labels), "label");
   tell(names_of(face_labels_in(mesh)), "faces");
@@ -249,6 +261,3 @@ std::vector<std::string> changed_names(MeshFormat format, const MeshHeader& mesh
 }
 
 }  // namespace tet
-  if (format == MeshFormat::kVtkHdf) {  // which names parts, and neither labels nor faces
-    tell_changes(names_of(mesh.parts), part_names_in_vtkhdf(mesh), "part", told);
-  }

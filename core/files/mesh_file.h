@@ -27,6 +27,10 @@ absl::StatusOr<MeshOutput> mesh_output(const std::string& path, std::string_view
 /// Whether it could be written now: says so before hours of work, not after.
 absl::Status check_can_write(const MeshOutput& output);
 
+/// The paths of the files that the format has, of which readers begin with the first one; or of
+/// the folder. Errors: kInvalidArgument (a name that such files cannot have).
+absl::StatusOr<std::vector<std::string>> files_of(const MeshOutput& output);
+
 /// OK, or kInvalidArgument where the format has no place for meshes of second order; the
 /// message lists those that have.
 absl::Status check_takes_second_order(const MeshOutput& output);

@@ -4,11 +4,12 @@
 """
 
 import filecmp
+import json
 import os
 import pathlib
 import re
-import subprocess
 import signal
+import subprocess
 import unittest
 
 from command_case import REFUSED, USAGE, CommandTest, binaries
@@ -107,8 +108,6 @@ class Printed(CommandTest):
                 self.assertEqual(result.returncode, REFUSED, result.stderr)
                 self.assertIn(f"{command[0]}: what it printed cannot be written", result.stderr)
 
-    def test_report_takes_no_meshs_place(self):
-        link = self.inputs / "link.vtu"
     def test_that_nobody_reads_ends_as_by_a_broken_pipe(self):
         for command in (("formats",), ("info", self.inputs / "sphere.vdb", "--json")):
             with self.subTest(command):
@@ -119,10 +118,34 @@ class Printed(CommandTest):
                 os.close(writer)
                 self.assertEqual((result.returncode, result.stderr), (128 + signal.SIGPIPE, ""))
 
+    def test_report_takes_no_meshs_place(self):
+        link = self.inputs / "link.vtu"
         link.symlink_to(self.out / "mesh.vtu")
         for report in (self.out / "mesh.vtu", link):
             self.assert_fails(self.mesh("sphere.vdb", ".vtu", "--report", report), REFUSED, "mesh.vtu")
         self.assertFalse((self.out / "mesh.vtu").exists())
+
+    def test_report_takes_no_place_of_a_meshs_second_file(self):
+        for output, second in ((("mesh.xdmf",), "mesh.h5"), (("mesh", "--format", "xdmf"), "mesh.hdf5")):
+            self.assert_fails(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", self.out / output[0], *output[1:],
+                                             "--report", self.out / second), REFUSED, second)
+
+    def test_report_takes_no_place_of_what_the_mesh_is_made_of(self):
+        ball, names = self.inputs / "sphere.vdb", self.inputs / "names.json"
+        scene, sizing = self.inputs / "part.json", self.inputs / "sizing.json"
+        scene.write_text(json.dumps({"nodes": [{"sphere": {"radius": 1}}]}))
+        sizing.write_text(json.dumps({"coarsest": 0.5}))
+        names.write_text("{}")
+        (self.inputs / "other.json").symlink_to(scene)
+        for report, *arguments in (
+                (ball, ball), (scene, scene), (self.inputs / "other.json", scene), (sizing, ball, "--sizing", sizing),
+                (ball, scene, "--sizing-grid", ball), (ball, scene, "--field", f"v={ball}:sphere"),
+                (names, ball, "--labels", "all", "--grid", "a", "--grid", "b", "--label-names", names)):
+            with self.subTest(report=report, arguments=arguments):
+                before = report.read_bytes()
+                self.assert_fails(self.tetstream("mesh", *arguments, "-o", self.out / "mesh.vtu", "--report", report),
+                                  REFUSED, "the report would take the place of", report.resolve().name)
+                self.assertEqual(report.read_bytes(), before)
 
 
 class FormatNames(CommandTest):

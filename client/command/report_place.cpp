@@ -1,0 +1,48 @@
+#include "client/command/report_place.h"
+
+#include <string>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/base/posix/atomic_file.h"
+#include "core/files/mesh_file.h"
+
+namespace tet {
+namespace {
+
+/// The files that the command line names for reading, and names that are none.
+std::vector<std::string> files_read(const MeshArguments& arguments,
+                                    const MeshOptions& options) {
+  std::vector<std::string> files{options.input, arguments.request.sizing.sizing,
+                                 arguments.request.sizing.grid, arguments.request.labels.names};
+  for (const VertexField& field : options.request.fields) files.push_back(field.file);
+  return files;
+}
+
+}  // namespace
+
+absl::Status check_report_place(const MeshArguments& arguments, const MeshOptions& options) {
+  if (options.report.empty()) return absl::OkStatus();
+  if (auto status = check_can_create(options.report); !status.ok()) return status;
+  const auto output = mesh_output(options.output, options.format);
+  if (!output.ok()) return output.status();
+  const auto written = files_of(*output);
+  if (!written.ok()) return written.status();
+  const auto place = link_target(options.report);
+  for (const std::string& file : *written) {
+    if (link_target(file) != place) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("the report would take the place of the mesh: both are to be ", file,
+                     "; name another file for one of them"));
+  }
+  for (const std::string& file : files_read(arguments, options)) {
+    if (file.empty() || link_target(file) != place) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("the report would take the place of ", file,
+                     ", which the mesh is made of; name another file for the report"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace tet
