@@ -21,8 +21,9 @@ namespace tet {
 std::vector<std::array<std::uint32_t, 3>> triangulate_polygon(
     std::span<const WorldPoint> points, std::uint64_t& spare_looks);
 
-/// What the polygons of one file have together: seconds of a processor. A band of five corners
-/// a turn that winds itself up takes as many when it has 8,000, and one that is round 100,000.
-inline constexpr std::uint64_t kSpareLooks = std::uint64_t{1} << 33;
+/// What the polygons of one file have together: about ten seconds of a processor, where a
+/// decoder has 90 for a file. A band of five corners a turn that winds itself up takes as many
+/// when it has 5,000 corners.
+inline constexpr std::uint64_t kSpareLooks = std::uint64_t{1} << 31;
 
 }  // namespace tet
