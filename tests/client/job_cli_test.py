@@ -410,6 +410,19 @@ class JobWatch(JobTest):
         again = self.objects(self.job("watch", one, two, "--after", revisions[1], "--json"))
         self.assertEqual(again, told[2:])
 
+    def test_what_had_finished_by_a_revision_is_not_waited_for(self):
+        one, two = (self.submit(self.inputs / "sphere.vdb")[0] for _ in range(2))
+        for name in (one, two):
+            self.objects(self.job("cancel", name, "--json"))
+        first, last = (self.objects(self.job("watch", name, "--json"))[-1]["revision"] for name in (one, two))
+        self.assertEqual(self.objects(self.job("watch", one, "--after", first, "--json")), [])
+        rest = self.objects(self.job("watch", one, two, "--after", first, "--json"))
+        self.assertEqual([(event["name"], event["change"]) for event in rest], [(two, "FINISHED")])
+        self.forget_what_was()
+        self.assertEqual(self.objects(self.job("watch", one, two, "--after", last, "--json")), [])
+        rest = self.objects(self.job("watch", one, two, "--after", first, "--json"))
+        self.assertEqual([event["revision"] for event in rest], [last])
+
     def test_goes_on_when_the_server_is_killed(self):
         process = self.start_job_command("watch", "--after", "0", "--json")
 

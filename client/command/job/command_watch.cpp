@@ -41,7 +41,11 @@ struct WatchArguments {
 /// The jobs that are watched, each with the version that it has to get to, and finish in.
 class WatchedJobs {
  public:
-  void add(const v1::Job& job) { versions_[job.name()] = job.version(); }
+  /// `is_over`: nothing comes of it any more.
+  void add(const v1::Job& job, bool is_over) {
+    versions_[job.name()] = job.version();
+    finished_[job.name()] = is_over;
+  }
 
   bool watches(const v1::JobEvent& event) const {
     return versions_.empty() || versions_.contains(event.name());
@@ -52,9 +56,12 @@ class WatchedJobs {
     const bool over = event.change() == v1::JOB_CHANGE_DELETED ||
                       (is_final(event.state()) && event.version() >= versions_[event.name()]);
     finished_[event.name()] = over;
-    std::size_t finished = 0;
-    for (const auto& [name, is_finished] : finished_) finished += is_finished ? 1 : 0;
-    return finished < versions_.size();
+    return !are_over();
+  }
+  /// Whether there is nothing left to wait for from the beginning.
+  bool are_over() const {
+    return !finished_.empty() &&
+           std::ranges::all_of(finished_, [](const auto& job) { return job.second; });
   }
   /// For the server, when there is one.
   std::string only() const { return versions_.size() == 1 ? versions_.begin()->first : ""; }
@@ -69,18 +76,38 @@ class WatchedJobs {
   std::map<std::string, bool> finished_;
 };
 
+/// Whether the last change of a job that is finished came by a revision: nothing comes after
+/// it.
+absl::StatusOr<bool> was_over_by(std::int64_t revision,
+                                 JobClient& jobs,
+                                 const v1::Job& job,
+                                 const Cancellation& cancellation) {
+  if (!is_final(job.state()) || revision == 0) return false;
+  std::int64_t last = 0;
+  const auto see = [&](const v1::JobEvent& event) {
+    last = event.revision();
+    return event.version() < job.version();
+  };
+  const absl::Status told = jobs.watch(job.name(), 0, see, cancellation);
+  if (!told.ok()) return told;
+  return last <= revision;
+}
+
 absl::StatusOr<WatchedJobs> find_jobs(JobSession& session,
-                                      const std::vector<std::string>& names,
+                                      const WatchArguments& arguments,
                                       const Cancellation& cancellation) {
   WatchedJobs watched;
-  if (names.empty()) return watched;
-  const auto selected =
-      select_jobs(session.jobs, {.names = names, .filter = {}, .journal = {}}, cancellation);
+  if (arguments.names.empty()) return watched;
+  const auto selected = select_jobs(
+      session.jobs, {.names = arguments.names, .filter = {}, .journal = {}}, cancellation);
   if (!selected.ok()) return selected.status();
   for (const std::string& name : *selected) {
     const auto job = session.jobs.get(name, cancellation);
     if (!job.ok()) return job.status();
-    watched.add(*job);
+    const auto over =
+        was_over_by(arguments.after.value_or(0), session.jobs, *job, cancellation);
+    if (!over.ok()) return over.status();
+    watched.add(*job, *over);
   }
   return watched;
 }
@@ -162,8 +189,9 @@ absl::Status watch_from(std::int64_t after,
 absl::Status run_watch(const WatchArguments& arguments, const Cancellation& interruption) {
   const auto session = JobSession::open(arguments.session);
   if (!session.ok()) return session.status();
-  auto watched = find_jobs(**session, arguments.names, interruption);
+  auto watched = find_jobs(**session, arguments, interruption);
   if (!watched.ok()) return watched.status();
+  if (watched->are_over()) return absl::OkStatus();
   const auto after = first_revision(**session, arguments, interruption);
   if (!after.ok()) return after.status();
   return watch_from(*after, **session, *watched, interruption);
