@@ -5,6 +5,7 @@
 #include "client/library/connection.h"
 #include "client/library/receive_mesh.h"
 #include "proto/wire/serialized.h"
+#include "proto/wire/transport.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 
 namespace tet {
@@ -13,9 +14,8 @@ namespace {
 
 using Stub = v1::JobService::Stub;
 
-/// An attempt to watch that lasted so long was served, although nothing may have changed
-/// meanwhile: one that meets no server ends sooner, since gRPC gives up a connection after 20
-/// s.
+/// An attempt to watch that a server had begun, and that lasted so long, was served, although
+/// nothing may have changed meanwhile.
 constexpr std::chrono::seconds kServedFor{30};
 
 /// A request that holds nothing but a job's name.
@@ -29,7 +29,8 @@ Request named(const std::string& name) {
 /// How one watch ended.
 struct WatchEnd {
   absl::Status status;
-  bool left = false;  ///< `see` has seen enough
+  bool left = false;   ///< `see` has seen enough
+  bool begun = false;  ///< by the server itself, and not a proxy
 };
 
 WatchEnd watch_once(const ServerChannel& server,
@@ -46,6 +47,7 @@ WatchEnd watch_once(const ServerChannel& server,
   }
   if (end.left) call.context().TryCancel();
   end.status = call.result(stream->Finish());
+  end.begun = call.context().GetServerInitialMetadata().contains(kWatchBegun);
   return end;
 }
 
@@ -137,7 +139,8 @@ absl::Status JobClient::watch(const std::string& name,
     const WatchEnd end = watch_once(server, request, see, cancellation);
     if (end.left || end.status.ok()) return absl::OkStatus();
     // An idle watch is cut off now and then by whatever is in between: such ends do not add up.
-    if (request.after_revision() > before || clock_() - begun >= kServedFor) ++served;
+    const bool lasted = clock_() - begun >= kServedFor;
+    if (request.after_revision() > before || (end.begun && lasted)) ++served;
     if (!connection_->again(retries, server, end.status, served)) return end.status;
   }
 }

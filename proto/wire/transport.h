@@ -38,6 +38,10 @@ inline constexpr TransportSetting kTransportSettings[] = {
     {"grpc.per_message_decompression", 0},
 };
 
+/// What a server says at once of a watch that it has begun, in its initial metadata: a proxy
+/// that answers for a server which does not leaves it out.
+inline constexpr char kWatchBegun[] = "tetstream-watch-begun";
+
 /// Keeps the blocks that gRPC reads into when they are freed. A program that serves or receives
 /// meshes calls this once, before it starts threads. Giving each back to the system and
 /// faulting its pages in again would cost as much as all else that the wire does.

@@ -54,6 +54,12 @@ TEST_F(FollowJobsTest, GiveUpAServerThatCutsEachWatchAtOnce) {
   EXPECT_EQ(jobs_.watches(), kThrice.attempts);
 }
 
+TEST_F(FollowJobsTest, GiveUpAServerThatHangsBehindAProxyHoweverLongThatWaits) {
+  jobs_.begins_watches = false;
+  EXPECT_TRUE(absl::IsUnavailable(watch_by(std::chrono::seconds(60))));
+  EXPECT_EQ(jobs_.watches(), kThrice.attempts);
+}
+
 TEST_F(FollowJobsTest, TellOfAJobThatWasDeletedBeforeItWasReadByItsName) {
   jobs_.get = [](int call, const std::string& name, v1::Job& job) {
     if (call > 1) return with_reason(absl::NotFoundError("no such job"), "JOB_NOT_FOUND");

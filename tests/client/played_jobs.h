@@ -11,6 +11,7 @@
 
 #include "client/library/connection.h"
 #include "proto/convert/status.h"
+#include "proto/wire/transport.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 
 namespace tet::test {
@@ -27,6 +28,7 @@ class PlayedJobs final : public v1::JobService::Service {
 
   Get get;
   Watch watch;
+  bool begins_watches = true;  ///< else it is as a proxy before a server that hangs
 
   std::shared_ptr<Connection> connect(RetryPolicy retry) {
     grpc::ServerBuilder builder;
@@ -49,9 +51,11 @@ class PlayedJobs final : public v1::JobService::Service {
                       v1::Job* response) override {
     return to_grpc(get(++gets_, request->name(), *response));
   }
-  grpc::Status WatchJobs(grpc::ServerContext* /*context*/,
+  grpc::Status WatchJobs(grpc::ServerContext* context,
                          const v1::WatchJobsRequest* /*request*/,
                          grpc::ServerWriter<v1::JobEvent>* writer) override {
+    if (begins_watches) context->AddInitialMetadata(kWatchBegun, "1");
+    writer->SendInitialMetadata();
     return to_grpc(watch(++watches_, [&](const v1::JobEvent& event) { writer->Write(event); }));
   }
 

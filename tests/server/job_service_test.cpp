@@ -8,6 +8,7 @@
 
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "proto/wire/transport.h"
 #include "tests/server/job_server.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
@@ -300,6 +301,17 @@ TEST_F(JobServiceTest, TellsEachChangeOnceAlsoToWhoeverComesBack) {
   const auto rest = server_.watch(job, JobServer::is_finished, all[1].revision());
   ASSERT_EQ(rest.size(), all.size() - 2);
   EXPECT_EQ(rest[0].revision(), all[2].revision());
+}
+
+TEST_F(JobServiceTest, SaysThatAWatchHasBegunBeforeAnythingHappens) {
+  server_.start({"--job-workers", "0"});
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kGenerousEnd);
+  const auto reader = server_.jobs->WatchJobs(&context, v1::WatchJobsRequest());
+  reader->WaitForInitialMetadata();
+  EXPECT_TRUE(context.GetServerInitialMetadata().contains(kWatchBegun));
+  context.TryCancel();
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
 }
 
 TEST_F(JobServiceTest, EndsAWatchWhenItsJobIsDeleted) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/wire/transport.h"
 #include "server/jobs/service/job_messages.h"
 #include "server/ops/guard.h"
 
@@ -39,10 +40,16 @@ void JobWatch::begin(const v1::WatchJobsRequest& request) {
     self->guard([&] {
       const absl::Status found = self->find_job(name);
       if (!found.ok()) return self->close(found);
-      self->subscribe();
-      self->advance();
+      self->start_operation([&] { self->tell_beginning(); });
     });
   });
+}
+
+/// Nothing is written meanwhile, whatever happens from now on.
+void JobWatch::tell_beginning() {
+  context_.AddInitialMetadata(kWatchBegun, "1");
+  StartSendInitialMetadata();
+  subscribe();
 }
 
 void JobWatch::subscribe() {

@@ -40,6 +40,7 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::JobEvent>, public Str
 
   void begin(const v1::WatchJobsRequest& request);
   absl::Status find_job(const std::string& name);
+  void tell_beginning();
   void subscribe();
   void news();
   void read();
