@@ -19,12 +19,17 @@ struct Candidate {
   FolderLock lock;
 };
 
-/// Takes from the front of `meshes` what would be enough if nobody needed it.
+/// Locks that are held at once: each is an open file, and whoever wants one of the meshes waits
+/// while it is asked what is needed.
+constexpr std::size_t kLockedAtOnce = 64;
+
+/// Takes from the front of `meshes` some, or what would be enough if nobody needed it.
 std::vector<Candidate> lock_some(std::span<const FoundMesh>& meshes,
                                  std::uint64_t bytes,
                                  const std::set<ResultKey>& needed) {
   std::vector<Candidate> locked;
-  for (std::uint64_t found = 0; !meshes.empty() && found < bytes;) {
+  for (std::uint64_t found = 0;
+       !meshes.empty() && found < bytes && locked.size() < kLockedAtOnce;) {
     const FoundMesh& mesh = meshes.front();
     meshes = meshes.subspan(1);
     if (needed.contains(mesh.key)) continue;

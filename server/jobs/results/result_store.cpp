@@ -57,6 +57,12 @@ absl::Time file_time_now(const fs::path& folder) {
   return time_of(path);
 }
 
+/// All of the disk but what is to stay free; a disk that does not tell has no end.
+std::uint64_t most_on_disk(const fs::path& folder, std::uint64_t kept) {
+  const auto whole = whole_disk_bytes(folder);
+  return whole ? *whole - std::min(*whole, kept) : UINT64_MAX;
+}
+
 /// What nobody will finish, and damage that was kept long enough to be looked at.
 bool is_of_no_use(const fs::path& file, absl::Time now, absl::Duration keep_damaged) {
   if (is_unfinished(file)) return time_of(file) < now - kUnfinishedFor;
@@ -158,6 +164,10 @@ std::optional<std::string> ResultStore::find_plan(const std::string& space,
   return text->substr(kMeshIdDigits);
 }
 
+void ResultStore::keep_plan(const std::string& space, const std::string& name) const {
+  ::utimensat(AT_FDCWD, plan_path(space, name).c_str(), nullptr, 0);
+}
+
 /// Room that is in the account; given back unless it was used.
 class ResultStore::Room {
  public:
@@ -235,23 +245,32 @@ absl::Status ResultStore::make_room_on_disk(std::uint64_t bytes) {
   return no_disk_for(bytes, *free, limits_.keep_free_bytes);
 }
 
-absl::Status ResultStore::check_fits(std::uint64_t bytes) const {
+absl::Status ResultStore::check_ever_fits(std::uint64_t bytes) const {
   if (bytes > limits_.budget_bytes) {
     return over_limit("bytes of the mesh, in result_bytes", bytes, limits_.budget_bytes);
   }
-  const auto free = free_disk_bytes(root_), whole = whole_disk_bytes(root_);
-  if (!free || !whole) return absl::OkStatus();
-  const std::uint64_t kept = limits_.keep_free_bytes;
-  const std::uint64_t most = *whole - std::min(*whole, kept);
-  if (bytes > most) {
-    return over_limit("bytes of the mesh, on the disk of the results", bytes, most);
-  }
-  const std::uint64_t ours = *free + bytes_.load();
-  const std::uint64_t room = ours - std::min(ours, kept);
+  const std::uint64_t most = most_on_disk(root_, limits_.keep_free_bytes);
+  if (bytes <= most) return absl::OkStatus();
+  return over_limit("bytes of the mesh, on the disk of the results", bytes, most);
+}
+
+absl::Status ResultStore::check_fits(std::uint64_t bytes) {
+  if (auto ever = check_ever_fits(bytes); !ever.ok()) return ever;
+  const auto free = free_disk_bytes(root_);
+  if (!free) return absl::OkStatus();
+  const std::uint64_t ours = *free + count_bytes();
+  const std::uint64_t room = ours - std::min(ours, limits_.keep_free_bytes);
   if (bytes <= room) return absl::OkStatus();
-  return no_room_now(absl::StrCat(
-      "no room for the mesh's ", bytes, " bytes on the disk of the results now: ", room,
-      " are free or can be made so, and others hold the rest of ", most));
+  return no_room_now(absl::StrCat("no room for the mesh's ", bytes,
+                                  " bytes on the disk of the results now: ", room,
+                                  " are free or can be made so, and others hold the rest of ",
+                                  most_on_disk(root_, limits_.keep_free_bytes)));
+}
+
+/// What all processes have stored by now, as far as it can be asked.
+std::uint64_t ResultStore::count_bytes() {
+  if (const auto turn = ledger_.take(); turn.ok()) bytes_ = turn->total().value_or(bytes_);
+  return bytes_;
 }
 
 void ResultStore::sweep() {

@@ -70,12 +70,17 @@ class ResultStore {
   /// Whether a mesh of so many bytes could be stored if every other went. Errors:
   /// kResourceExhausted with LIMIT_EXCEEDED (the budget, or the disk, is too small), or
   /// RESULTS_FULL (something else has filled the disk, and may make room again).
-  absl::Status check_fits(std::uint64_t bytes) const;
+  absl::Status check_fits(std::uint64_t bytes);
+  /// Whether it could be if nobody else had anything on the disk, either. Errors:
+  /// kResourceExhausted with LIMIT_EXCEEDED.
+  absl::Status check_ever_fits(std::uint64_t bytes) const;
 
   /// What counting found for a request of this name, 64 hexadecimal digits: of use as long as
   /// the mesh is stored.
   absl::Status put_plan(const ResultKey& mesh, const std::string& name, const std::string&);
   std::optional<std::string> find_plan(const std::string& space, const std::string& name) const;
+  /// Keeps the plan for a while longer, though its mesh is not begun.
+  void keep_plan(const std::string& space, const std::string& name) const;
 
   /// Looks at all that is there, evicts what is over the budget, and clears away what is of no
   /// use any more: plans of meshes that are gone, damaged chunks, what was never finished.
@@ -95,6 +100,7 @@ class ResultStore {
   void give_back(std::uint64_t bytes);
   std::filesystem::path mesh_path(const ResultKey& key) const;
   std::filesystem::path plan_path(const std::string& space, const std::string& name) const;
+  std::uint64_t count_bytes();
   absl::Status sweep_to(std::uint64_t budget_bytes, std::uint64_t free_bytes = 0);
   absl::Status sweep_in(ResultLedger::Turn& turn,
                         std::uint64_t budget_bytes,

@@ -118,7 +118,10 @@ absl::Status ShardMaker::plan(const Shard& shard) {
       return commit_plan(shard, plan);
     }
     // A job that waits for room is not counted each time that it looks.
-    if (auto fits = check_room(shard, plan); !fits.ok()) return fits;
+    if (auto fits = check_room(shard, plan); !fits.ok()) {
+      results_.keep_plan(shard.job.space, name);
+      return fits;
+    }
   }
   if (shard.plan.survey_block_bricks() == 0) {
     const auto blocks = counter_.blocks(shard.order, block_bricks_);

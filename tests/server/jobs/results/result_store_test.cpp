@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <sys/resource.h>
 #include <thread>
 #include <vector>
 
@@ -270,6 +271,58 @@ TEST_F(ResultStoreTest, KeepsPlansAsLongAsTheirMeshes) {
   store->sweep();
   EXPECT_EQ(store->find_plan("default", kept), "a plan");
   EXPECT_FALSE(store->find_plan("default", stale));
+}
+
+TEST_F(ResultStoreTest, KeepsThePlanOfAJobThatWaitsAsLongAsItLooks) {
+  const auto store = open();
+  const std::string waiting(64, 'b'), given_up(64, 'c');
+  for (const std::string& name : {waiting, given_up}) {
+    ASSERT_TRUE(store->put_plan({"default", kLongId}, name, "a plan").ok());
+    age(folder_.path() / "default/plans" / name);
+  }
+  store->keep_plan("default", waiting);
+  store->sweep();
+  EXPECT_EQ(store->find_plan("default", waiting), "a plan");
+  EXPECT_FALSE(store->find_plan("default", given_up));
+}
+
+TEST_F(ResultStoreTest, KnowsWhatOthersHaveStoredWhereItLooksForRoom) {
+  const auto store = open(), other = open();
+  ASSERT_TRUE(other->put_chunk(*use(*other, kMesh), chunk_of("some bytes")).ok());
+  EXPECT_EQ(store->check_fits(1), absl::OkStatus());
+  EXPECT_EQ(store->stats().bytes, stored_bytes_in(folder_.path()));
+}
+
+/// At most so many more files are open as long as it lives.
+class FewFiles {
+ public:
+  explicit FewFiles(rlim_t more) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const File first_free = open_file("/dev/null", O_RDONLY).value();
+    rlimit few = before_;
+    few.rlim_cur = static_cast<rlim_t>(first_free.descriptor().number()) + more;
+    ::setrlimit(RLIMIT_NOFILE, &few);
+  }
+  ~FewFiles() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  FewFiles(const FewFiles&) = delete;
+  FewFiles& operator=(const FewFiles&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(ResultStoreTest, EvictsMoreMeshesThanItMayOpenFiles) {
+  constexpr int kMeshes = 200;
+  {
+    const auto store = open();
+    for (int i = 0; i < kMeshes; ++i) {
+      ASSERT_TRUE(store->put_chunk(*use(*store, absl::StrCat("aa", i)), chunk_of("few")).ok());
+    }
+  }
+  const FewFiles few(100);
+  const auto store = open(0);
+  EXPECT_EQ(store->stats().evicted, static_cast<std::uint64_t>(kMeshes));
+  EXPECT_EQ(store->stats().bytes, 0U);
 }
 
 TEST_F(ResultStoreTest, KeepsDamagedChunksForAWhile) {
