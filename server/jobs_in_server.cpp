@@ -32,6 +32,13 @@ SqlJobStore::Options job_rules(const Config& config) {
   return rules;
 }
 
+/// Jobs of another store know nothing of the meshes that are here.
+absl::StatusOr<std::set<ResultKey>> needed_here(JobStore& jobs, WorkPlace& place) {
+  const absl::Status found = place.check_store();
+  if (!found.ok()) return found;
+  return needed_results(jobs);
+}
+
 JobWorkerSettings worker_settings(const Config& config) {
   return {worker_name(), static_cast<int>(config.job_workers),
           absl::Seconds(config.job_lease_seconds)};
@@ -47,35 +54,36 @@ absl::StatusOr<std::unique_ptr<JobsAtWork>> JobsAtWork::open(const Config& confi
   auto jobs = open_job_store(config.jobs.empty() ? (folder / kFile).string() : config.jobs,
                              job_rules(config));
   if (!jobs.ok()) return jobs.status();
-  auto results = ResultStore::open(
-      folder / kResults,
-      {config.result_bytes, config.disk_reserve_bytes, absl::Hours(config.job_keep_hours)},
-      [store = jobs->get()] { return needed_results(*store); });
-  if (!results.ok()) return results.status();
+  auto place = std::make_unique<WorkPlace>(**jobs, folder, use);
   if (use == StoreUse::kOwn) {
     // A database that does not answer, or a disk that is full, hinders no server: it looks
     // again.
-    const absl::Status place = WorkPlace(**jobs, **results, folder, use).check_store();
-    if (reason_of(place) == "WRONG_STORE") return place;
+    const absl::Status found = place->check_store();
+    if (reason_of(found) == "WRONG_STORE") return found;
   }
-  return std::make_unique<JobsAtWork>(config, engine, use, *std::move(jobs),
+  auto results = ResultStore::open(
+      folder / kResults,
+      {config.result_bytes, config.disk_reserve_bytes, absl::Hours(config.job_keep_hours)},
+      [store = jobs->get(), place = place.get()] { return needed_here(*store, *place); });
+  if (!results.ok()) return results.status();
+  return std::make_unique<JobsAtWork>(config, engine, *std::move(jobs), std::move(place),
                                       *std::move(results));
 }
 
 JobsAtWork::JobsAtWork(const Config& config,
                        MeshEngine& engine,
-                       StoreUse use,
                        std::unique_ptr<JobStore> jobs,
+                       std::unique_ptr<WorkPlace> work_place,
                        std::unique_ptr<ResultStore> stored)
     : store(std::move(jobs)),
+      place(std::move(work_place)),
       results(std::move(stored)),
-      place(*store, *results, config.store, use),
-      maker(engine, *store, *results, place),
+      maker(engine, *store, *results, *place),
       janitor(*store,
               *results,
               absl::Hours(config.job_keep_hours),
               absl::Seconds(config.job_lease_seconds)),
-      worker(*store, maker, place, worker_settings(config)) {}
+      worker(*store, maker, *place, *results, worker_settings(config)) {}
 
 Reading JobsInServer::up() const {
   return gauge("tetstream_jobs_up",

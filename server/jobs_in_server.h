@@ -29,15 +29,15 @@ struct JobsAtWork {
 
   JobsAtWork(const Config& config,
              MeshEngine& engine,
-             StoreUse use,
              std::unique_ptr<JobStore> jobs,
+             std::unique_ptr<WorkPlace> work_place,
              std::unique_ptr<ResultStore> stored);
 
   std::vector<Reading> readings() const { return read_jobs(*store, *results, janitor, worker); }
 
   const std::unique_ptr<JobStore> store;
+  const std::unique_ptr<WorkPlace> place;
   const std::unique_ptr<ResultStore> results;
-  WorkPlace place;
   ShardMaker maker;
   JobJanitor janitor;
   JobWorker worker;
@@ -49,7 +49,7 @@ absl::StatusOr<std::set<GridKey>> grids_of_jobs(JobStore& jobs);
 struct JobsInServer {
   JobsInServer(std::unique_ptr<JobsAtWork> at_work, MeshEngine& engine, GridStore& grids)
       : work(std::move(at_work)),
-        health(*work->store, work->place),
+        health(*work->store, *work->place, *work->results),
         context(engine, *work->store, *work->results, health),
         service(context, grids) {}
 

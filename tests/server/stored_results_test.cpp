@@ -204,6 +204,20 @@ TEST_F(StoredResults, BeginNoMeshThatFindsNoRoomBesideOneThatIsBeingMade) {
   EXPECT_TRUE(status_.ok()) << status_.error_message();
 }
 
+TEST_F(StoredResults, AreNotEvictedForAWorkerOfAnotherStoresJobs) {
+  const v1::Job job = unfinished({16}).at(0);
+  const std::uint64_t stored = stored_bytes();
+  JobServer other(TETSTREAMD_PATH);
+  other.start({"--job-workers", "0"});
+  const auto worker = server_.start_worker({"--jobs", other.folder.file("store/jobs.sqlite"),
+                                            "--result-bytes", std::to_string(kLessThanAChunk)});
+  ASSERT_TRUE(eventually(
+      [&] { return worker->err().find("worker_quarantined") != std::string::npos; }));
+  EXPECT_THAT(worker->err(), testing::HasSubstr("results_not_swept"));
+  EXPECT_EQ(stored_bytes(), stored);
+  EXPECT_EQ(server_.get(job).state(), v1::JOB_STATE_QUEUED);
+}
+
 TEST_F(StoredResults, EndTheYoungerOfTwoJobsThatWaitForEachOthersRoom) {
   const std::vector<v1::Job> jobs = unfinished({20, 19});
   const v1::Job &older = jobs[0], &younger = jobs[1];

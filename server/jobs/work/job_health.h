@@ -13,11 +13,11 @@ namespace tet {
 /// begins to fail and when it works again. Thread-safe.
 class JobHealth {
  public:
-  /// Both references must outlive it.
-  JobHealth(JobStore& jobs, WorkPlace& place)
-      : probe_("jobs", [&jobs, &place] {
+  /// All references must outlive it.
+  JobHealth(JobStore& jobs, WorkPlace& place, const ResultStore& results)
+      : probe_("jobs", [&jobs, &place, &results] {
           const absl::Status written = jobs.probe();
-          return written.ok() ? place.check() : written;
+          return written.ok() ? place.check(results) : written;
         }) {}
 
   /// How writing went the last time. Errors: those of JobStore::probe and WorkPlace::check;

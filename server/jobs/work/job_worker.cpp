@@ -64,8 +64,13 @@ void log_trouble(const char* event, const ShardKey& shard, const absl::Status& s
 JobWorker::JobWorker(JobStore& jobs,
                      ShardMaker& maker,
                      WorkPlace& place,
+                     const ResultStore& results,
                      JobWorkerSettings settings)
-    : jobs_(jobs), maker_(maker), place_(place), settings_(std::move(settings)) {
+    : jobs_(jobs),
+      maker_(maker),
+      place_(place),
+      results_(results),
+      settings_(std::move(settings)) {
   if (settings_.threads == 0) return;
   threads_.emplace_back([this](const std::stop_token& stopping) { claim_shards(stopping); });
   threads_.emplace_back([this](const std::stop_token& stopping) { beat(stopping); });
@@ -123,7 +128,7 @@ bool JobWorker::is_fit(const std::stop_token& stopping) {
   if (!in_trouble && Clock::now() < looked_ + kBetweenPlaceLooks) return true;
   looked_ = Clock::now();
   const absl::Status found =
-      guarded("a worker's look at its place", [&] { return place_.check(); });
+      guarded("a worker's look at its place", [&] { return place_.check(results_); });
   if (will_pass(found)) return true;  // whoever claims finds out, and waits
   if (!found.ok()) {
     keep_hands_off(found);

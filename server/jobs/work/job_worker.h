@@ -43,7 +43,11 @@ struct JobWorkerSettings {
 /// again, for longer each time.
 class JobWorker {
  public:
-  JobWorker(JobStore& jobs, ShardMaker& maker, WorkPlace& place, JobWorkerSettings settings);
+  JobWorker(JobStore& jobs,
+            ShardMaker& maker,
+            WorkPlace& place,
+            const ResultStore& results,
+            JobWorkerSettings settings);
   ~JobWorker();
 
   /// Gives back what is claimed and not done; returns when no thread runs any more.
@@ -98,6 +102,7 @@ class JobWorker {
   JobStore& jobs_;
   ShardMaker& maker_;
   WorkPlace& place_;
+  const ResultStore& results_;
   const JobWorkerSettings settings_;
   std::atomic<std::int64_t> done_{0}, failed_{0}, lost_{0}, given_back_{0}, no_room_{0};
   Quarantine quarantine_;

@@ -60,9 +60,9 @@ absl::Status WorkPlace::learn_whose_jobs(const std::string& found) {
   return absl::OkStatus();
 }
 
-absl::Status WorkPlace::check() {
+absl::Status WorkPlace::check(const ResultStore& results) {
   const absl::Status store = check_store();
-  return store.ok() ? results_.probe() : store;
+  return store.ok() ? results.probe() : store;
 }
 
 }  // namespace tet

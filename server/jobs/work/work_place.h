@@ -25,11 +25,8 @@ enum class StoreUse {
 /// Thread safety: every member may be called from any thread. What it refers to outlives it.
 class WorkPlace {
  public:
-  WorkPlace(JobStore& jobs,
-            const ResultStore& results,
-            std::filesystem::path store,
-            StoreUse use)
-      : jobs_(jobs), results_(results), store_(std::move(store)), use_(use) {}
+  WorkPlace(JobStore& jobs, std::filesystem::path store, StoreUse use)
+      : jobs_(jobs), store_(std::move(store)), use_(use) {}
 
   /// Reads one small file, and asks the job store until it has answered once. Errors:
   /// kFailedPrecondition (WRONG_STORE: the folder is not the store that the jobs belong to),
@@ -38,13 +35,12 @@ class WorkPlace {
 
   /// `check_store`, and whether the disk takes results. Errors: also those of
   /// ResultStore::probe.
-  absl::Status check();
+  absl::Status check(const ResultStore& results);
 
  private:
   absl::Status learn_whose_jobs(const std::string& found);
 
   JobStore& jobs_;
-  const ResultStore& results_;
   const std::filesystem::path store_;
   const StoreUse use_;
   std::mutex mutex_;
