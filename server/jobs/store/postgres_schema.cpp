@@ -143,11 +143,18 @@ struct Partition {
 
 std::string id_at(std::int64_t us) { return absl::StrFormat("%014x", us); }
 
-absl::Status make_partition(PostgresConnection& connection, const Partition& partition) {
-  const std::string table = absl::StrCat("jobs_", partition.name());
-  const auto found = connection.run("SELECT to_regclass($1) IS NOT NULL", {{table}});
+/// Another server may have made it, or dropped it.
+absl::StatusOr<bool> is_there(PostgresConnection& connection, const Partition& partition) {
+  const auto found = connection.run("SELECT to_regclass($1) IS NOT NULL",
+                                    {{absl::StrCat("jobs_", partition.name())}});
   if (!found.ok()) return found.status();
-  if (found->rows[0].integer(0) != 0) return absl::OkStatus();
+  return found->rows[0].integer(0) != 0;
+}
+
+absl::Status make_partition(PostgresConnection& connection, const Partition& partition) {
+  const auto there = is_there(connection, partition);
+  if (!there.ok()) return there.status();
+  if (*there) return absl::OkStatus();
   std::string sql;
   for (const char* parent : {"jobs", "shards", "events"}) {
     absl::StrAppend(&sql, "CREATE TABLE ", parent, "_", partition.name(), " PARTITION OF ",
@@ -195,13 +202,17 @@ SELECT CASE
   return std::strtoll(found->rows[0].text(0).c_str(), nullptr, 10);
 }
 
-/// `count_old`, and nobody else can change the jobs until the transaction ends.
+/// `count_old`, and nobody else can change the jobs until the transaction ends; -1, too, where
+/// the partition is gone.
 absl::StatusOr<std::int64_t> lock_old(PostgresConnection& connection,
                                       const Partition& partition,
                                       std::int64_t before_us) {
   const auto locked = connection.run_script(
       absl::StrCat("SET LOCAL lock_timeout = '2s'; ", kLockTables, "ACCESS EXCLUSIVE MODE"));
   if (!locked.ok()) return locked.status();
+  const auto there = is_there(connection, partition);
+  if (!there.ok()) return there.status();
+  if (!*there) return -1;
   return count_old(connection, partition, before_us);
 }
 
@@ -224,7 +235,11 @@ absl::StatusOr<std::int64_t> drop_if_old(PostgresConnection& connection,
                                          std::int64_t before_us) {
   // Nobody waits while it is looked at what is not old, as most is.
   const auto looked = count_old(connection, partition, before_us);
-  if (!looked.ok()) return looked.status();
+  if (!looked.ok()) {
+    const auto there = is_there(connection, partition);
+    if (there.ok() && !*there) return 0;
+    return looked.status();
+  }
   if (*looked < 0) return 0;
   if (auto begun = connection.begin(); !begun.ok()) return begun.status();
   auto jobs = lock_old(connection, partition, before_us);

@@ -149,6 +149,51 @@ TEST(PostgresJobStore, DropsPartitionsWithoutWaitingInACircleWithReaders) {
   EXPECT_TRUE(absl::IsNotFound(store->get(job.id).status()));
 }
 
+/// Drops all partitions, as another server that purges at the same time.
+void drop_partitions_as_another(PostgresConnection& other) {
+  constexpr char kDrop[] = R"sql(
+DO $$ DECLARE name text; BEGIN
+  FOR name IN SELECT inhrelid::regclass FROM pg_inherits
+      JOIN pg_class ON pg_class.oid = inhrelid
+      WHERE inhparent IN ('jobs'::regclass, 'shards'::regclass, 'events'::regclass)
+        AND relname NOT LIKE '%default' LOOP
+    EXECUTE 'DROP TABLE ' || name;
+  END LOOP;
+END $$)sql";
+  const auto dropped = other.run_script(kDrop);
+  EXPECT_TRUE(dropped.ok()) << dropped.status();
+  EXPECT_TRUE(other.commit().ok());
+}
+
+/// A purge that waits for another server's locks, which then drops all that there is to drop.
+void expect_purge_beside(const std::string& lock) {
+  const PostgresHome home;
+  const auto store =
+      home.open_with({.connection = home.connection(), .partition = absl::Hours(1)});
+  const Job job = store->create(wanted()).value().job;
+  store->cancel(job.id).value();
+  store->revision().value();  // all events have theirs
+  const auto other = PostgresConnection::open(home.connection()).value();
+  ASSERT_TRUE(other->run_script("SET idle_in_transaction_session_timeout = 0").ok());
+  ASSERT_TRUE(other->begin().ok());
+  ASSERT_TRUE(other->run_script(lock).ok());
+  const auto purge = [&] {
+    const absl::Status purged = store->purge(-absl::Hours(3)).status();
+    EXPECT_FALSE(absl::IsInternal(purged)) << purged;
+    return purged.ok();
+  };
+  std::thread purges([&] { EXPECT_TRUE(eventually(purge)); });
+  EXPECT_TRUE(eventually([&] { return anybody_waits(home); }));
+  drop_partitions_as_another(*other);
+  purges.join();
+}
+
+TEST(PostgresJobStore, PurgesBesideAnotherServerThatIsFaster) {
+  // It waits before it looks at a partition, or only before it drops it.
+  expect_purge_beside("LOCK TABLE ONLY jobs IN ACCESS EXCLUSIVE MODE");
+  expect_purge_beside("LOCK TABLE ONLY jobs IN ACCESS SHARE MODE");
+}
+
 TEST(PostgresJobStore, KeepsJobsOfSpansThatHaveNoPartition) {
   const PostgresHome home;
   const auto store =
