@@ -157,6 +157,34 @@ class SmallDisk(FaultTest):
         waited = server.tetstream("job", "wait", large)
         self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)
 
+    def lose_a_chunk(self, server, job):
+        """Of a job that has succeeded, which is planned and not finished once it is retried."""
+        mesh = self.show(server, job)["header"]["mesh_id"]
+        folder, = (self.store / "results").rglob(mesh)
+        max(folder.iterdir(), key=lambda file: file.stat().st_size).unlink()
+        said = server.tetstream("job", "retry", job)
+        self.assertEqual(said.returncode, 0, said.stderr)
+
+    def test_jobs_that_wait_for_a_disk_that_others_filled_all_go_on(self):
+        self.mount(128)
+        server = self.start_server()
+        jobs = [self.submit(server, "--spacing", spacing) for spacing in ("0.030", "0.031")]
+        waited = server.tetstream("job", "wait", *jobs)
+        self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)
+        server.close()
+        server = self.start_server("--job-workers", "0")
+        for job in jobs:
+            self.lose_a_chunk(server, job)
+        server.close()
+        # Room for the store's own files, and for no chunk.
+        others = self.fill_but(0)
+        server = self.start_server()
+        for job in jobs:
+            wait_until(lambda: self.show(server, job)["given_back_shards"] > 1)
+        others.unlink()
+        waited = server.tetstream("job", "wait", *jobs)
+        self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)
+
     def test_a_mesh_waits_for_room_no_longer_than_its_timeout(self):
         self.mount(128)
         server = self.start_server()

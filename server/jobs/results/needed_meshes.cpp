@@ -28,7 +28,8 @@ absl::StatusOr<std::vector<NeededMesh>> needed_meshes(JobStore& jobs) {
     meshes.push_back({job.id,
                       {job.space, plan.header().mesh_id()},
                       stored_bytes(*header),
-                      is_want_of_room(job.trouble)});
+                      job.waits_for_room,
+                      job.leased_shards > 0 && !job.waits_for_room});
   }
   return meshes;
 }
@@ -53,6 +54,16 @@ std::uint64_t bytes_beside(const std::vector<NeededMesh>& meshes,
     if (counted.insert(mesh.key).second) bytes += mesh.bytes;
   }
   return bytes;
+}
+
+bool is_youngest_of_waiting(const std::vector<NeededMesh>& meshes, const std::string& job) {
+  bool another_waits = false;
+  for (const NeededMesh& mesh : meshes) {
+    if (mesh.job == job) continue;
+    if (mesh.goes_on || (mesh.waits && mesh.job > job)) return false;
+    another_waits = another_waits || mesh.waits;
+  }
+  return another_waits;
 }
 
 bool is_want_of_room(const absl::Status& status) {

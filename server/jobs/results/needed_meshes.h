@@ -17,8 +17,9 @@ namespace tet {
 struct NeededMesh {
   std::string job;
   ResultKey key;
-  std::uint64_t bytes = 0;   ///< of the files of all its chunks, or a little more
-  bool awaits_room = false;  ///< a worker gave a shard of it back last since there was no room
+  std::uint64_t bytes = 0;  ///< of the files of all its chunks, or a little more
+  bool waits = false;       ///< for room, since its last shard was done
+  bool goes_on = false;     ///< somebody makes a shard of it, and it does not wait
 };
 
 /// The meshes of all unfinished jobs that are counted. Errors: the store's.
@@ -34,6 +35,10 @@ std::uint64_t stored_bytes(const MeshHeader& header);
 std::uint64_t bytes_beside(const std::vector<NeededMesh>& meshes,
                            const ResultKey& key,
                            std::uint64_t bytes);
+
+/// Whether this job, which finds no room, and others wait for each other's, and it is the
+/// youngest of them. As long as any job goes on it may end, and make room.
+bool is_youngest_of_waiting(const std::vector<NeededMesh>& meshes, const std::string& job);
 
 /// Whether a status says that results find no room beside others.
 bool is_want_of_room(const absl::Status& status);

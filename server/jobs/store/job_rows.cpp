@@ -162,7 +162,7 @@ void save_job(SqlTransaction& t, JobRow& row, JobChange change) {
       "$7, finish_us = $8, expire_us = $9, stop_us = $10, chunk_count = $11, done_chunks = "
       "$12, "
       "shard_count = $13, done_shards = $14, dead_shards = $15, alarms = $16, algorithm = $17, "
-      "replans = $18 WHERE id = $1",
+      "replans = $18, room_waits = 0 WHERE id = $1",
       {job.id, number_of(job.state), number_of(row.phase), job.version,
        Blob{encode_status(job.error)}, to_us(job.start_time), to_us(job.plan_time),
        to_us(job.finish_time), row.expire_us, to_us(job.stop_time), job.chunk_count,

@@ -72,8 +72,10 @@ struct ClaimShards {
 /// What is kept of an unfinished job's plan, while its mesh is being made or waits to be.
 struct PlannedJob {
   std::string id, space;
-  std::string header;    ///< as `Plan` brought it
-  absl::Status trouble;  ///< why a worker gave a shard of it back last
+  std::string header;  ///< as `Plan` brought it
+  /// A shard of it was given back for want of room, and nothing of the job has changed since.
+  bool waits_for_room = false;
+  std::int64_t leased_shards = 0;
 };
 
 struct ListWorkers {
@@ -92,7 +94,13 @@ struct WorkerPage {
 struct GiveBack {
   absl::Status why = {};                        ///< what the job says of it; OK: nothing
   absl::Duration pause = absl::ZeroDuration();  ///< until anybody may claim it again
+  /// The job waits for room among the results, until something of it changes. The pause is
+  /// twice as long each time that all shards which are left have waited, up to
+  /// kLongestRoomPause, so that many jobs that wait are not much work.
+  bool for_room = false;
 };
+
+inline constexpr absl::Duration kLongestRoomPause = absl::Minutes(1);
 
 enum class LeaseState { kHeld, kLost };
 
@@ -199,6 +207,9 @@ class JobStore {
   virtual absl::Status fail(const LeaseId& lease,
                             const absl::Status& error,
                             bool retryable) = 0;
+  /// Ends the shard's job FAILED with `error`: all that is left of it are dead letters. Errors:
+  /// kAborted (LEASE_LOST).
+  virtual absl::Status fail_job(const LeaseId& lease, const absl::Status& error) = 0;
   /// Gives a shard back untouched: the attempt does not count. Errors: kAborted (LEASE_LOST).
   virtual absl::Status release(const LeaseId& lease, const GiveBack& how) = 0;
   absl::Status release(const LeaseId& lease) { return release(lease, {}); }

@@ -101,8 +101,14 @@ CREATE TABLE workers (
   seen_us BIGINT NOT NULL);
 )sql";
 
+constexpr char kFourthVersion[] = R"sql(
+ALTER TABLE jobs ADD COLUMN room_waits BIGINT NOT NULL DEFAULT 0;
+CREATE INDEX jobs_planned ON jobs (phase, id) WHERE state <= 2 AND phase = 2;
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array<const char*, 3> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion};
+constexpr std::array<const char*, 4> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion,
+                                               kFourthVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 // Whoever opens the store holds this advisory lock while it looks at the schema.

@@ -150,10 +150,34 @@ void put_back(SqlTransaction& t,
       {shard.key.job, number_of(shard.key.phase), shard.key.number, number_of(state), due_us});
 }
 
+absl::Duration doubled(absl::Duration delay, std::int64_t times, absl::Duration most) {
+  return std::min(delay * (std::int64_t{1} << std::clamp<std::int64_t>(times, 0, 30)), most);
+}
+
 absl::Duration delay_after(const SqlJobStore::Options& options, std::int64_t attempt) {
-  const std::int64_t doublings = std::clamp<std::int64_t>(attempt - 1, 0, 30);
-  return std::min(options.retry_delay * (std::int64_t{1} << doublings),
-                  options.max_retry_delay);
+  return doubled(options.retry_delay, attempt - 1, options.max_retry_delay);
+}
+
+/// Tells the job of a shard that came back, and says how long that is left to nobody. It is no
+/// change of the job's: no version of it, and no event.
+absl::Duration note_give_back(SqlTransaction& t, const Job& job, const GiveBack& how) {
+  if (how.why.ok()) return how.pause;
+  const std::int64_t waits = t.integer(
+      "UPDATE jobs SET given_back = given_back + 1, trouble = $2, room_waits = (room_waits + "
+      "1) * $3 WHERE id = $1 RETURNING room_waits",
+      {job.id, Blob{encode_status(how.why)}, std::int64_t{how.for_room ? 1 : 0}});
+  if (!how.for_room) return how.pause;
+  const std::int64_t left = job.shard_count - job.done_shards - job.dead_shards;
+  return doubled(how.pause, (waits - 1) / std::max<std::int64_t>(left, 1), kLongestRoomPause);
+}
+
+/// The job is locked, so that it stays so.
+bool holds(SqlTransaction& t, const LeaseId& lease) {
+  return t.integer(
+             "SELECT count(*) FROM queue WHERE job_id = $1 AND phase = $2 AND number = $3 AND "
+             "token = $4 AND state = 1",
+             {lease.shard.job, number_of(lease.shard.phase), lease.shard.number, lease.token}) >
+         0;
 }
 
 /// Runs `body` with the job locked, and its shard if the lease still has it.
@@ -253,23 +277,35 @@ absl::Status SqlJobStore::fail(const LeaseId& lease,
       Purpose::kRoom);
 }
 
+absl::Status SqlJobStore::fail_job(const LeaseId& lease, const absl::Status& error) {
+  return transact(
+      *database_,
+      [&](SqlTransaction& t) {
+        auto row = lock_job(t, lease.shard.job);
+        if (!row) return job_not_found(lease.shard.job);
+        if (!holds(t, lease)) return lost(*row, lease);
+        row->job.dead_shards += bury_rest(t, row->job.id, error);
+        row->job.error = error;
+        finish(t, *row, JobState::kFailed);
+        return absl::OkStatus();
+      },
+      Purpose::kRoom);
+}
+
 absl::Status SqlJobStore::release(const LeaseId& lease, const GiveBack& how) {
   return with_shard(
       *database_, lease,
       [&](SqlTransaction& t, JobRow& row, const auto& shard) {
         if (!shard) return lost(row, lease);
-        const bool at_once = how.pause <= absl::ZeroDuration();
+        const absl::Duration pause = note_give_back(t, row.job, how);
+        const bool at_once = pause <= absl::ZeroDuration();
         put_back(t, *shard, at_once ? ShardState::kReady : ShardState::kBackingOff,
-                 after_us(t.now_us(), how.pause));
+                 after_us(t.now_us(), pause));
         t.run(
             "UPDATE queue SET attempt = attempt - 1 WHERE job_id = $1 AND phase = $2 AND "
             "number = "
             "$3",
             {lease.shard.job, number_of(lease.shard.phase), lease.shard.number});
-        if (how.why.ok()) return absl::OkStatus();
-        // Not a change of the job's: no version of it, and no event.
-        t.run("UPDATE jobs SET given_back = given_back + 1, trouble = $2 WHERE id = $1",
-              {row.job.id, Blob{encode_status(how.why)}});
         return absl::OkStatus();
       },
       Purpose::kRoom);

@@ -19,6 +19,12 @@
 
 namespace tet {
 
+/// What `planned` asks. It says the phase, since a database uses no partial index for a value
+/// that it learns later.
+inline constexpr char kPlannedJobs[] =
+    "SELECT id, space, header, room_waits, (SELECT count(*) FROM queue WHERE queue.job_id = "
+    "jobs.id AND queue.state = 1) FROM jobs WHERE state <= 2 AND phase = 2";
+
 /// Rows of `queue` are shards that somebody still has to do; those of `shards` are done or dead
 /// letters. So what workers fight over stays small, and what is kept is only ever added to.
 ///
@@ -68,6 +74,7 @@ class SqlJobStore final : public JobStore {
   absl::Status set_plan(const LeaseId& lease, const Plan& plan) override;
   absl::Status complete(const LeaseId& lease, std::span<const ChunkDigest> digests) override;
   absl::Status fail(const LeaseId& lease, const absl::Status& error, bool retryable) override;
+  absl::Status fail_job(const LeaseId& lease, const absl::Status& error) override;
   using JobStore::release;
   absl::Status release(const LeaseId& lease, const GiveBack& how) override;
   absl::Status plan_anew(const LeaseId& lease) override;

@@ -231,11 +231,9 @@ absl::StatusOr<std::vector<PlannedJob>> SqlJobStore::planned() {
   std::vector<PlannedJob> jobs;
   const absl::Status status = read(*database_, [&](SqlTransaction& t) {
     jobs.clear();
-    const auto found =
-        t.run("SELECT id, space, header, trouble FROM jobs WHERE state <= 2 AND phase = $1",
-              {number_of(Phase::kMesh)});
-    for (const SqlRow& row : found.rows) {
-      jobs.push_back({row.text(0), row.text(1), row.blob(2), decode_status(row.blob(3))});
+    for (const SqlRow& row : t.run(kPlannedJobs).rows) {
+      jobs.push_back(
+          {row.text(0), row.text(1), row.blob(2), row.integer(3) > 0, row.integer(4)});
     }
     return absl::OkStatus();
   });

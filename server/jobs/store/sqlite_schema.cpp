@@ -86,8 +86,14 @@ CREATE TABLE workers (
   seen_us INTEGER NOT NULL) STRICT, WITHOUT ROWID;
 )sql";
 
+constexpr char kFourthVersion[] = R"sql(
+ALTER TABLE jobs ADD COLUMN room_waits INTEGER NOT NULL DEFAULT 0;
+CREATE INDEX jobs_planned ON jobs (phase, id) WHERE state <= 2 AND phase = 2;
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array<const char*, 3> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion};
+constexpr std::array<const char*, 4> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion,
+                                               kFourthVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 absl::Status run_steps(SqliteConnection& connection, std::int64_t version) {

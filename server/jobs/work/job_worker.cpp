@@ -9,6 +9,7 @@
 
 #include "core/plan/mesh_request.h"
 #include "proto/convert/status.h"
+#include "server/jobs/results/needed_meshes.h"
 #include "server/jobs/store/store_errors.h"
 #include "server/ops/guard.h"
 #include "server/ops/logging.h"
@@ -29,7 +30,8 @@ constexpr std::chrono::milliseconds kLook{500};
 /// A store that does not answer is asked again after this.
 constexpr absl::Duration kStorePause = absl::Milliseconds(500);
 
-/// What found no room is left to others for so long, who may have smaller meshes.
+/// What found no room is left to others for so long, and then longer, who may have smaller
+/// meshes.
 constexpr absl::Duration kRoomPause = absl::Seconds(2);
 
 /// A worker that has something to do looks so often whether it is still the right place.
@@ -263,13 +265,18 @@ void JobWorker::settle(const HeldShard& shard,
     const bool ours = !will_pass(own) && !awaits;
     if (ours) keep_hands_off(own);
     const bool no_room = ShardMaker::lacks_room(own);
-    give_back(lease, {in_our_name(own), no_room ? kRoomPause : absl::ZeroDuration()}, stopping);
+    give_back(
+        lease,
+        {in_our_name(own), no_room ? kRoomPause : absl::ZeroDuration(), is_want_of_room(own)},
+        stopping);
     if (ours) give_back_waiting(own, stopping);
   } else {
     failed_.fetch_add(1);
     log_trouble("shard_failed", lease.shard, outcome);
     const absl::Status told =
-        jobs_.fail(lease, outcome, ShardMaker::is_worth_another_try(outcome));
+        ShardMaker::ends_job(outcome)
+            ? jobs_.fail_job(lease, outcome)
+            : jobs_.fail(lease, outcome, ShardMaker::is_worth_another_try(outcome));
     if (!told.ok()) log_trouble("shard_lost", lease.shard, told);
   }
 }

@@ -64,7 +64,7 @@ bool ShardMaker::is_worth_another_try(const absl::Status& error) {
     case absl::StatusCode::kUnknown:
       return true;
     case absl::StatusCode::kResourceExhausted:
-      return reason_of(error) != "LIMIT_EXCEEDED" && reason_of(error) != kHeldByJobs;
+      return reason_of(error) != "LIMIT_EXCEEDED";
     default:
       return false;
   }
@@ -73,6 +73,8 @@ bool ShardMaker::is_worth_another_try(const absl::Status& error) {
 bool ShardMaker::lacks_room(const absl::Status& error) {
   return reason_of(error) == "DISK_FULL" || awaits_room(error) || will_pass(error);
 }
+
+bool ShardMaker::ends_job(const absl::Status& error) { return reason_of(error) == kHeldByJobs; }
 
 bool ShardMaker::awaits_room(const absl::Status& error) {
   return reason_of(error) == "RESULTS_FULL";
@@ -208,21 +210,19 @@ absl::Status ShardMaker::check_room(const Shard& shard, const stored::JobPlan& p
 }
 
 /// Jobs that were planned when there was more room, or at the same moment, may hold what each
-/// other waits for. Where another has waited, too, the youngest ends, so that what it made may
-/// go; else `why` stands, and it waits.
+/// other waits for. Of those that wait the youngest ends, so that what it made may go. As long
+/// as another job goes on, or all would fit if others gave their part of the disk back, `why`
+/// stands, and the job waits.
 absl::Status ShardMaker::give_way(const Shard& shard, const absl::Status& why) const {
   if (!is_want_of_room(why)) return why;
   const auto header = from_proto(shard.plan.header());
   const auto needed = needed_meshes(jobs_);
   if (!header.ok() || !needed.ok() || !check_size(*header).ok()) return why;
-  bool is_youngest = true, another_waits = false;
-  for (const NeededMesh& mesh : *needed) {
-    is_youngest = is_youngest && mesh.job <= shard.job.id;
-    another_waits = another_waits || (mesh.awaits_room && mesh.job != shard.job.id);
-  }
   const ResultKey key{shard.job.space, shard.plan.header().mesh_id()};
   const std::uint64_t own = stored_bytes(*header), all = bytes_beside(*needed, key, own);
-  if (!is_youngest || !another_waits || results_.check_fits(all).ok()) return why;
+  if (!is_youngest_of_waiting(*needed, shard.job.id) || results_.check_ever_fits(all).ok()) {
+    return why;
+  }
   return with_reason(absl::ResourceExhaustedError(absl::StrCat(
                          "no room for the mesh's ", own, " bytes beside the ", all - own,
                          " of meshes that older jobs are making, which wait for room, too: "

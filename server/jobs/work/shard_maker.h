@@ -44,6 +44,8 @@ class ShardMaker {
 
   /// Whether a shard that failed so may succeed when it is tried again.
   static bool is_worth_another_try(const absl::Status& error);
+  /// Whether nothing more of the job is to be made: the room is another's.
+  static bool ends_job(const absl::Status& error);
   /// Whether it failed only for want of a disk or a database that takes what was made.
   static bool lacks_room(const absl::Status& error);
   /// Whether it is the mesh that finds no room among others, and no fault of the worker's.

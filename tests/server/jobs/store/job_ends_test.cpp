@@ -138,6 +138,25 @@ TEST_P(JobStoreTest, GivesBackAShardWithoutCountingTheAttempt) {
   EXPECT_EQ(claim_one().attempt, 1);
 }
 
+TEST_P(JobStoreTest, EndsAJobWholeThatIsNotToBeMade) {
+  const Job job = create_planned(5);
+  const auto leases = claim(3);
+  EXPECT_EQ(complete(leases.at(0)), absl::OkStatus());
+  const absl::Status why = absl::ResourceExhaustedError("the room is another's");
+  EXPECT_EQ(store_->fail_job(leases.at(1).id, why), absl::OkStatus());
+  const Job failed = get(job);
+  EXPECT_EQ(failed.state, JobState::kFailed);
+  EXPECT_EQ(failed.error.message(), why.message());
+  EXPECT_EQ(failed.done_shards, 1);
+  EXPECT_EQ(failed.dead_shards, 4);
+  EXPECT_EQ(failed.leased_shards, 0);
+  EXPECT_EQ(reason_of(complete(leases.at(2))), "LEASE_LOST");
+  EXPECT_EQ(reason_of(store_->fail_job(leases.at(1).id, why)), "LEASE_LOST");
+  EXPECT_THAT(claim(), IsEmpty());
+  EXPECT_EQ(store_->retry(job.id).status(), absl::OkStatus());
+  EXPECT_THAT(claim(10), SizeIs(4));
+}
+
 TEST_P(JobStoreTest, CancelWinsOverLateCompletes) {
   const Job job = create_planned(3);
   const auto leases = claim(2);

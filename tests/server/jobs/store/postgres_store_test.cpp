@@ -194,6 +194,18 @@ TEST(PostgresJobStore, PurgesBesideAnotherServerThatIsFaster) {
   expect_purge_beside("LOCK TABLE ONLY jobs IN ACCESS SHARE MODE");
 }
 
+/// What the planner would do with a large table.
+TEST(PostgresJobStore, FindsPlannedJobsByAnIndex) {
+  const PostgresHome home;
+  home.open({});
+  const auto connection = PostgresConnection::open(home.connection()).value();
+  ASSERT_TRUE(connection->run_script("SET enable_seqscan = off").ok());
+  const auto plan = connection->run(absl::StrCat("EXPLAIN ", kPlannedJobs), {}).value();
+  std::string told;
+  for (const SqlRow& row : plan.rows) told += row.text(0) + "\n";
+  EXPECT_THAT(told, testing::HasSubstr("phase_id_idx"));
+}
+
 TEST(PostgresJobStore, KeepsJobsOfSpansThatHaveNoPartition) {
   const PostgresHome home;
   const auto store =

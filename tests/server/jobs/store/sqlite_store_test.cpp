@@ -91,6 +91,47 @@ TEST(SqliteJobStore, KeepsFewStatementsWhateverIsAskedFor) {
   EXPECT_EQ(connection->count_prepared(), static_cast<int>(kMostStatements) - 1);
 }
 
+TEST(SqliteJobStore, LeavesWhatWaitsForRoomAloneForLongerEachTime) {
+  const SqliteHome home;
+  const auto store = home.open({});
+  NewJob asked;
+  asked.space = "ana";
+  store->create(asked).value();
+  const auto claim = [&] { return store->claim({"w", 1, absl::Seconds(30)}).value().at(0).id; };
+  ASSERT_EQ(store->set_plan(claim(), plan_of(2)), absl::OkStatus());
+  const auto look = SqliteConnection::open({.path = home.path()}).value();
+  const auto give_back = [&](absl::Duration pause) {
+    const LeaseId lease = claim();
+    const absl::Time before = store->ask_time().value();
+    const GiveBack how{absl::ResourceExhaustedError("no room"), pause, true};
+    EXPECT_EQ(store->release(lease, how), absl::OkStatus());
+    const absl::Time after = store->ask_time().value();
+    const auto due = look->run("SELECT max(due_us) FROM queue WHERE state = 2", {}).value();
+    return std::pair(absl::FromUnixMicros(due.rows.at(0).integer(0)) - after,
+                     absl::FromUnixMicros(due.rows.at(0).integer(0)) - before);
+  };
+  const auto expect_pause = [](const auto& found, absl::Duration pause) {
+    EXPECT_LE(found.first, pause);
+    EXPECT_GE(found.second, pause);
+  };
+  // All that is left waits once, then both shards twice as long.
+  expect_pause(give_back(absl::Seconds(10)), absl::Seconds(10));
+  expect_pause(give_back(absl::Seconds(10)), absl::Seconds(10));
+  ASSERT_TRUE(look->run("UPDATE queue SET due_us = 0", {}).ok());
+  expect_pause(give_back(absl::Seconds(10)), absl::Seconds(20));
+  expect_pause(give_back(absl::Seconds(10)), absl::Seconds(20));
+  ASSERT_TRUE(look->run("UPDATE queue SET due_us = 0", {}).ok());
+  expect_pause(give_back(absl::Hours(1)), kLongestRoomPause);
+}
+
+TEST(SqliteJobStore, FindsPlannedJobsByAnIndex) {
+  const SqliteHome home;
+  home.open({});
+  const auto look = SqliteConnection::open({.path = home.path()}).value();
+  const auto plan = look->run(absl::StrCat("EXPLAIN QUERY PLAN ", kPlannedJobs), {}).value();
+  EXPECT_THAT(plan.rows.at(0).text(3), testing::HasSubstr("jobs_planned"));
+}
+
 TEST(SqliteJobStore, PurgesWhatFinishedLongAgo) {
   const SqliteHome home;
   const auto store = home.open({});
