@@ -57,8 +57,8 @@ struct PlannerStats {
 /// What need not be surveyed again.
 struct SurveyedBefore {
   SurveyedBlocks blocks = {};
-  /// Of what may be alike in part. Whoever plans holds it for as long as it is to be used, and
-  /// can let go of it where there is no room for both.
+  /// The plan of what may be alike in part. Whoever plans holds it for as long as it is to be
+  /// used, and can let go of it where there is no room for both.
   std::weak_ptr<const MeshPlan> earlier = {};
   /// See PlanJob::replaced.
   std::shared_ptr<const std::vector<BrickCoord>> replaced = nullptr;
