@@ -37,7 +37,7 @@ constexpr std::array kRows{
                   .faces = "",
                   .fields = "point data, float32",
                   .coordinates = "float32, or float64 where that is needed",
-                  .names = "a `/` becomes `_`"},
+                  .names = "a `/` becomes `_`, and so does a part called `.`"},
     MeshFormatRow{.format = MeshFormat::kMsh,
                   .name = "msh",
                   .ending = ".msh",

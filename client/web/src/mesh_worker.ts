@@ -42,7 +42,7 @@ export type FromWorker = OfRun & Told;
 // How often what has come is drawn; and drawing may take this share of the time at most.
 const kDrawMs = 250, kDrawShare = 0.25;
 // Beyond this share of the tets the next surface is that of the whole mesh, which takes less.
-const kLastSoFar = 0.9;
+const kLastSoFar = 0.8;
 
 const scope = self as unknown as DedicatedWorkerGlobalScope;
 let run = 0;
@@ -103,7 +103,8 @@ async function take(event: Uint8Array, mostTets: number): Promise<void> {
       return tell({ kind: "header", event, keepsTets: mesh.keepsTets });
     case "chunk":
       mesh!.add(message.value);
-      if (mesh!.chunks === 1 || (performance.now() > nextDraw && !isNearlyWhole(mesh!))) draw();
+      // One that waited for the last surface to be drawn might come when the mesh is nearly whole.
+      if (mesh!.chunks === 1 || (performance.now() > nextDraw && !underWay && !isNearlyWhole(mesh!))) draw();
       return;
     case "trailer": {
       const whole = mesh!;
