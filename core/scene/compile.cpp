@@ -265,10 +265,10 @@ absl::Status check_frames(const Description& description,
           "%g: scale it by less, or in fewer transforms",
           path_of(description, op.node), scale, kLeastScale, kMostScale));
     }
-    if (!std::isfinite(determinant) || determinant == 0 || !has_finite_places(op)) {
+    if (!std::isnormal(determinant) || !has_finite_places(op)) {
       return absl::InvalidArgumentError(absl::StrFormat(
           "%s has the determinant %g by the transforms around it, and that or where it lies is "
-          "0 or not finite: scale and move it by less, or in fewer transforms",
+          "0, nearly 0 or not finite: scale and move it by less, or in fewer transforms",
           path_of(description, op.node), determinant));
     }
   }

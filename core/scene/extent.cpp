@@ -142,15 +142,16 @@ class LeafExtents {
   }
 
  private:
+  /// By all that the leaf says of its inside: the value, and the side of it.
   const Extent& of_grid(const Instruction& leaf, double level) {
     const auto [found, is_new] =
-        of_grids_.try_emplace(std::tuple(leaf.grid, leaf.size[0], level));
+        of_grids_.try_emplace(std::tuple(leaf.grid, leaf.size[0], leaf.size[1], level));
     if (is_new) found->second = own_extent(leaf, level, *grids_[leaf.grid].volume);
     return found->second;
   }
 
   std::span<const GridSource> grids_;
-  std::map<std::tuple<std::uint32_t, double, double>, Extent> of_grids_;
+  std::map<std::tuple<std::uint32_t, double, double, double>, Extent> of_grids_;
 };
 
 /// The level below which an operator's parts must be for its own value to be below `level`.

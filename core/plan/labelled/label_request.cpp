@@ -49,25 +49,31 @@ LatticeAxes::LatticeAxes(const LabelVolume& volume) : voxels(volume.transform) {
   high = {world.max.x / edge, world.max.y / edge, world.max.z / edge};
 }
 
-/// A lattice of cubes along the voxels' axes, whatever their edges.
-VoxelTransform lattice_along(const VoxelTransform& voxels, double spacing) {
-  VoxelTransform lattice = voxels;
-  const std::array<double, 3> edges = voxel_edges(voxels);
-  for (auto& row : lattice.linear) {
-    for (std::size_t axis = 0; axis < 3; ++axis) row[axis] *= spacing / edges[axis];
-  }
-  lattice.voxel_size = spacing;
-  return lattice;
-}
+/// Who asks for a spacing so near a voxel's edge means that.
+bool is_edge(double ratio) { return std::abs(ratio - 1) < 1e-6; }
 
 std::array<double, 3> spacing_in_voxels(const VoxelTransform& voxels, double spacing) {
-  constexpr double kSameSpacing = 1e-4;  // what check_transform takes for cubes
   std::array<double, 3> ratios = voxel_edges(voxels);
   for (double& ratio : ratios) {
     ratio = spacing / ratio;
-    if (std::abs(ratio - 1) < kSameSpacing) ratio = 1;
+    if (is_edge(ratio)) ratio = 1;
   }
   return ratios;
+}
+
+/// A lattice of cubes along the voxels' axes, whatever their edges. Its nodes lie where their
+/// values are taken from: where the spacing is meant to be an edge it is one, but for rounding.
+VoxelTransform lattice_along(const VoxelTransform& voxels, double spacing) {
+  constexpr double kRounding = 1e-12;
+  VoxelTransform lattice = voxels;
+  const std::array<double, 3> edges = voxel_edges(voxels);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double ratio = spacing / edges[axis];
+    if (is_edge(ratio) && std::abs(ratio - 1) > kRounding) continue;
+    for (auto& row : lattice.linear) row[axis] *= ratio;
+  }
+  lattice.voxel_size = spacing;
+  return lattice;
 }
 
 /// How far a kernel reaches along an axis, voxels.

@@ -133,8 +133,10 @@ absl::StatusOr<std::optional<BrickBox>> bricks_of_solid(const PhiField& field) {
     if (absl::IsFailedPrecondition(stored.status())) return std::nullopt;
     if (!stored.ok()) return stored.status();
     // Between the last voxel that is stored and the next one there may be surface.
-    return BrickBox{{stored->min.x - 1, stored->min.y - 1, stored->min.z - 1},
-                    {stored->max.x + 1, stored->max.y + 1, stored->max.z + 1}};
+    const auto voxel = static_cast<std::int32_t>(1 / (kBrickEdge * field.spacing_voxels));
+    const std::int32_t more = 1 + voxel;  // bricks
+    return BrickBox{{stored->min.x - more, stored->min.y - more, stored->min.z - more},
+                    {stored->max.x + more, stored->max.y + more, stored->max.z + more}};
   }
   if (field.scene->extent.min.x > field.scene->extent.max.x) return std::nullopt;
   const absl::StatusOr<BrickBox> reached = reached_bricks(field);
@@ -149,7 +151,14 @@ absl::StatusOr<BrickBox> bricks_of_solids(const Solids& solids, const MeshReques
     place.transform = solids.fields.front().lattice_transform();
     PhiField field;
     field.volume = &place;
-    return mesh_domain(field, request.box);
+    const absl::StatusOr<BrickBox> domain = mesh_domain(field, request.box);
+    if (!domain.ok()) return domain;
+    for (const PhiField& solid : solids.fields) {
+      const double spacing = solid.spacing_voxels;
+      if (solid.scene != nullptr) continue;
+      if (auto s = check_voxel_reach(*domain, {spacing, spacing, spacing}); !s.ok()) return s;
+    }
+    return domain;
   }
   std::optional<BrickBox> all;
   for (std::size_t i = 0; i < solids.fields.size(); ++i) {

@@ -183,6 +183,27 @@ TEST(LabelRequest, LaysLabelsWhereTheirVoxelsAre) {
   }
 }
 
+// However far from voxel 0 that is, nodes lie where their labels are taken from.
+TEST(LabelRequest, LaysFarLabelsWhereTheirVoxelsAre) {
+  constexpr std::int32_t kFar = 1'000'000;
+  const Shape shape = shape_of({.name = "far",
+                                .transform = {},
+                                .size = {16, 16, 16},
+                                .min = {kFar, kFar, kFar},
+                                .values = std::vector<std::int64_t>(16 * 16 * 16, 1)});
+  for (const double spacing : {1.0, 1.0000009, 1.00009, 1.3}) {
+    MeshRequest request = request_for({});
+    request.spacing = spacing;
+    const auto made = mesh_labels(shape, request);
+    ASSERT_TRUE(made.ok()) << made.status();
+    for (std::uint64_t i = 0; i < made->mesh.header.vertex_count; ++i) {
+      const WorldPoint p = made->mesh.vertex(i);
+      ASSERT_TRUE(std::abs(p.x - kFar - 7.5) < 10 && std::abs(p.z - kFar - 7.5) < 10)
+          << p.x << ", " << p.z << " at spacing " << spacing;
+    }
+  }
+}
+
 TEST(LabelRequest, MeshesTheBackgroundUpToTheBox) {
   const auto request = request_for({.mesh_background = true});
   const auto parts = parts_of_request(columns_of_voxels(), request);

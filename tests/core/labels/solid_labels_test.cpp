@@ -179,6 +179,29 @@ TEST(LevelSetLabels, OfAnyValuesMakeSoundMeshes) {
   }
 }
 
+// Half a voxel beyond what is stored, on a lattice of which a brick is narrower than that.
+TEST(LevelSetLabels, ReachBeyondTheLastVoxelOnAnyLattice) {
+  Volume volume = test::dense_volume({{0, 0, 0}, {7, 7, 7}}, 1, [](VoxelCoord v) {
+    return v.x == 0 && v.y == 0 && v.z == 0 ? -1.0F : 1.0F;
+  });
+  volume.name = "speck";
+  const GridList speck{std::make_shared<const Volume>(std::move(volume))};
+  const MeshResult made = sound_mesh(speck, solid_request({}, 0.05));
+  double least = 0;
+  for (std::uint64_t i = 0; i < made.mesh.header.vertex_count; ++i) {
+    least = std::min(least, made.mesh.vertex(i).x);
+  }
+  EXPECT_NEAR(least, -0.5, 0.01);
+}
+
+TEST(LevelSetLabels, AreRefusedInABoxTooFarAwayForTheirVoxels) {
+  MeshRequest request = solid_request({}, 25.6);
+  const double far = std::ldexp(25.6, 27);
+  request.box = WorldBox{{far, 0, 0}, {far + 200, 200, 200}};
+  EXPECT_THAT(solid_refusal(GridList{ball_at(0, 1, "ball")}, request),
+              HasSubstr("Use a nearer box"));
+}
+
 TEST(SceneLabels, HaveWhatEarlierOnesLeave) {
   test::SceneWriter writer;
   const std::string core = add_ball(writer, 0.5, {0, 0, 0});

@@ -224,6 +224,30 @@ TEST(GridLeaf, IsRefusedWithoutASurface) {
             "nodes[0].grid has no surface at iso -1: its values are from -0.3 to 0.3");
 }
 
+TEST(GridLeaf, ReachesAsFarAsTheSideThatIsInside) {
+  const auto volume = grid_of({});
+  const auto within = [&](SceneWriter& writer, const auto& solid, InsideSide inside) {
+    scene::GridSolid side = leaf(volume);
+    side.inside = inside;
+    const std::vector<std::string> both{writer.add(solid), writer.add(side)};
+    return writer.add(scene::Combination{scene::Combine::kIntersection, both, 0});
+  };
+  for (const bool ball_first : {true, false}) {
+    SceneWriter writer;
+    std::vector<std::string> parts;
+    for (const bool is_ball : {ball_first, !ball_first}) {
+      parts.push_back(
+          is_ball ? within(writer, scene::Sphere{0.5}, InsideSide::kBelow)
+                  : within(writer, scene::RoundedBox{{6, 6, 6}, 0}, InsideSide::kAbove));
+    }
+    writer.add(scene::Combination{scene::Combine::kUnion, parts, 0});
+    const Scene scene = writer.scene();
+    EXPECT_TRUE(scene.ends());
+    EXPECT_NEAR(scene.extent.max.x, 3, 1e-9);
+    EXPECT_NEAR(scene.extent.min.z, -3, 1e-9);
+  }
+}
+
 TEST(GridLeaf, HasNoEndWhereItsBackgroundIsInside) {
   const auto hole = [] {
     Volume volume = *grid_of({});
