@@ -154,11 +154,15 @@ absl::StatusOr<std::vector<FaceRegion>> read_regions(const std::string& option) 
 
 }  // namespace
 
+bool is_file_of_faces(const std::string& option) {
+  return !absl::StartsWith(option, "{") && absl::EndsWith(option, ".json");
+}
+
 absl::StatusOr<std::vector<FaceRegion>> understand_faces(
     const std::vector<std::string>& options) {
   std::vector<FaceRegion> regions;
   for (const std::string& option : options) {
-    if (absl::StartsWith(option, "{") || absl::EndsWith(option, ".json")) {
+    if (absl::StartsWith(option, "{") || is_file_of_faces(option)) {
       auto read = read_regions(option);
       if (!read.ok()) return read.status();
       std::ranges::move(*read, std::back_inserter(regions));

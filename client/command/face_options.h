@@ -19,6 +19,9 @@ inline constexpr const char* kFaceHelp =
     "counts: docs/faces.md";
 inline constexpr const char* kFaceType = "NAME=PLACE";
 
+/// Whether an option is the path of a file of regions.
+bool is_file_of_faces(const std::string& option);
+
 /// The regions of all options, in their order. Errors: kInvalidArgument (as --face: why),
 /// kNotFound (a file).
 absl::StatusOr<std::vector<FaceRegion>> understand_faces(

@@ -1,10 +1,13 @@
 #include "client/command/report_place.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
 
+#include "client/command/face_options.h"
+#include "client/command/scene_input.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/files/mesh_file.h"
 
@@ -17,6 +20,11 @@ std::vector<std::string> files_read(const MeshArguments& arguments,
   std::vector<std::string> files{options.input, arguments.request.sizing.sizing,
                                  arguments.request.sizing.grid, arguments.request.labels.names};
   for (const VertexField& field : options.request.fields) files.push_back(field.file);
+  for (const std::string& region : arguments.request.faces) {
+    if (is_file_of_faces(region)) files.push_back(region);
+  }
+  if (!is_scene_file(options.input)) return files;
+  for (std::string& grid : grid_files_of_scene(options.input)) files.push_back(std::move(grid));
   return files;
 }
 
@@ -31,7 +39,8 @@ absl::Status check_report_place(const MeshArguments& arguments, const MeshOption
   if (!written.ok()) return written.status();
   const auto place = link_target(options.report);
   for (const std::string& file : *written) {
-    if (link_target(file) != place) continue;
+    // A folder is replaced as a whole.
+    if (link_target(file) != place && link_target(file) != place.parent_path()) continue;
     return absl::InvalidArgumentError(
         absl::StrCat("the report would take the place of the mesh: both are to be ", file,
                      "; name another file for one of them"));

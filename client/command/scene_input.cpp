@@ -101,6 +101,16 @@ absl::StatusOr<Scene> read_scene(const std::string& path, const ReadGrid& read) 
   return scene;
 }
 
+std::vector<std::string> grid_files_of_scene(const std::string& path) {
+  std::vector<std::string> files;
+  const absl::StatusOr<v1::Scene> message = read_message(path);
+  if (!message.ok()) return files;
+  for (const v1::SceneNode& node : message->nodes()) {
+    if (node.has_grid()) files.push_back(path_of_grid(path, node.grid().name()));
+  }
+  return files;
+}
+
 absl::StatusOr<v1::Scene> read_scene_message(const std::string& path, const StoreFile& store) {
   absl::StatusOr<v1::Scene> message = read_message(path);
   if (!message.ok()) return message.status();

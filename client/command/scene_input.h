@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -22,6 +23,10 @@ using ReadGrid = std::function<absl::StatusOr<Volume>(const std::string& path,
 /// else from the working directory; each grid is read once. Errors: kNotFound, kInvalidArgument
 /// (not a scene; says where), those of make_scene, all with the path; those of `read`.
 absl::StatusOr<Scene> read_scene(const std::string& path, const ReadGrid& read);
+
+/// The files of a scene's grids; none of a scene that cannot be read, which whoever meshes it
+/// tells of.
+std::vector<std::string> grid_files_of_scene(const std::string& path);
 
 /// Hands a .vdb file over to a server: the name that it has there.
 using StoreFile = std::function<absl::StatusOr<std::string>(const std::string& path)>;

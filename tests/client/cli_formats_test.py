@@ -137,9 +137,13 @@ class Printed(CommandTest):
         sizing.write_text(json.dumps({"coarsest": 0.5}))
         names.write_text("{}")
         (self.inputs / "other.json").symlink_to(scene)
+        bore, by_grid = self.inputs / "bore.json", self.inputs / "by_grid.json"
+        bore.write_text(json.dumps({"regions": [{"name": "bore", "ball": {"centre": [1, 0, 0], "radius": 0.5}}]}))
+        by_grid.write_text(json.dumps({"nodes": [{"grid": {"name": "sphere.vdb"}}]}))
         for report, *arguments in (
                 (ball, ball), (scene, scene), (self.inputs / "other.json", scene), (sizing, ball, "--sizing", sizing),
                 (ball, scene, "--sizing-grid", ball), (ball, scene, "--field", f"v={ball}:sphere"),
+                (bore, ball, "--face", bore), (ball, by_grid),
                 (names, ball, "--labels", "all", "--grid", "a", "--grid", "b", "--label-names", names)):
             with self.subTest(report=report, arguments=arguments):
                 before = report.read_bytes()

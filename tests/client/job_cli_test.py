@@ -3,6 +3,7 @@
     TETSTREAM_BIN=build/dev/bin python3 tests/client/job_cli_test.py [unittest options]
 """
 
+import contextlib
 import filecmp
 import json
 import os
@@ -422,6 +423,22 @@ class JobWatch(JobTest):
         self.assertEqual(self.objects(self.job("watch", one, two, "--after", last, "--json")), [])
         rest = self.objects(self.job("watch", one, two, "--after", first, "--json"))
         self.assertEqual([event["revision"] for event in rest], [last])
+
+    def test_one_that_was_over_may_be_gone(self):
+        over, other = (self.submit(self.inputs / "sphere.vdb")[0] for _ in range(2))
+        process = self.start_job_command("watch", over, other, "--json")
+        self.objects(self.job("cancel", over, "--json"))
+        told = [json.loads(process.stdout.readline()) for _ in range(3)]
+        self.assertEqual((told[-1]["name"], told[-1]["change"]), (over, "FINISHED"))
+        with contextlib.closing(sqlite3.connect(self.inputs / "store" / "jobs.sqlite", timeout=GENEROUS_END)) as jobs:
+            for table, column in (("events", "job_id"), ("jobs", "id")):
+                jobs.execute(f"DELETE FROM {table} WHERE {column} = ?", [over.removeprefix("jobs/")])
+            jobs.commit()
+        self.forget_what_was()
+        self.objects(self.job("cancel", other, "--json"))
+        rest, errors = process.communicate(timeout=GENEROUS_END)
+        self.assertEqual(process.returncode, 0, errors)
+        self.assertEqual([json.loads(line)["name"] for line in rest.splitlines()], [other])
 
     def test_goes_on_when_the_server_is_killed(self):
         process = self.start_job_command("watch", "--after", "0", "--json")

@@ -65,9 +65,12 @@ class WatchedJobs {
   }
   /// For the server, when there is one.
   std::string only() const { return versions_.size() == 1 ? versions_.begin()->first : ""; }
-  std::vector<std::string> names() const {
+  /// Those that are waited for: one that is over may be gone.
+  std::vector<std::string> pending() const {
     std::vector<std::string> names;
-    for (const auto& [name, version] : versions_) names.push_back(name);
+    for (const auto& [name, is_over] : finished_) {
+      if (!is_over) names.push_back(name);
+    }
     return names;
   }
 
@@ -175,7 +178,7 @@ absl::Status watch_from(std::int64_t after,
   };
   for (;;) {
     const absl::Status status = session.jobs.watch(watched.only(), after, see, cancellation);
-    const std::vector<std::string> names = watched.names();
+    const std::vector<std::string> names = watched.pending();
     if (names.empty() || reason_of_failure(status) != "REVISION_COMPACTED") return status;
     const auto missed = changes_of(session.jobs, names, after, cancellation);
     if (!missed.ok()) return missed.status();

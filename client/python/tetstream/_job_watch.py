@@ -10,7 +10,7 @@ from ._errors import Error, NotFoundError
 from ._job import FINAL, EventSource, JobBackend, JobEvent, JobFilter
 
 Left = Callable[[], float | None]
-Again = Callable[[int], tuple[list[JobEvent], EventSource | None] | None]
+Again = Callable[[int], tuple[list[JobEvent], EventSource | None, int] | None]
 
 
 class JobWatch:
@@ -30,7 +30,8 @@ class JobWatch:
         seen: int = 0,
     ) -> None:
         """`past` comes before the source, which begins behind the revision `seen`. `again` has both where the source's
-        past is forgotten in part: what came behind a revision, or nothing where that cannot be had."""
+        past is forgotten in part, and the revision up to which that is: what came behind a revision, or nothing where
+        that cannot be had."""
         self._source = source
         self._names = None if pending is None else frozenset(pending)
         self._pending = pending
@@ -70,7 +71,7 @@ class JobWatch:
         begun = None if self._again is None else self._again(self._seen)
         if begun is None:
             return False
-        past, self._source = begun
+        past, self._source, self._seen = begun
         self._past.extend(past)
         if self._closed and self._source is not None:  # while the source was not there to be closed
             self._source.close()
@@ -96,12 +97,12 @@ def watch_all(backend: JobBackend, after: int | None, left: Left) -> JobWatch:
     if after is None:
         after = _newest(backend, left)
 
-    def again(seen: int) -> tuple[list[JobEvent], EventSource | None] | None:
+    def again(seen: int) -> tuple[list[JobEvent], EventSource | None, int] | None:
         if seen > 0:
             return None  # what came since then, of jobs that are gone
         jobs, now = backend.list(JobFilter({}, (), "", 0), left())
         told = [event for job in jobs for event in _told(backend, job.name, job.version, left)]
-        return _between(0, told, now), backend.watch("", now, left())
+        return _between(0, told, now), backend.watch("", now, left()), now
 
     return JobWatch(backend.watch("", after, left()), None, again=again, seen=after)
 
@@ -118,11 +119,11 @@ def watch_some(backend: JobBackend, names: Iterable[str], after: int | None, lef
     else:
         past, pending = _past_of(backend, each, begin, now, left)
 
-    def again(seen: int) -> tuple[list[JobEvent], EventSource | None]:
+    def again(seen: int) -> tuple[list[JobEvent], EventSource | None, int]:
         now = _newest(backend, left)
         missed, still = _past_of(backend, sorted(pending), seen, now, left)
         pending.intersection_update(still)
-        return missed, _source(backend, pending, now, left)
+        return missed, _source(backend, pending, now, left), now
 
     begin = max(begin, now)
     return JobWatch(_source(backend, pending, begin, left), pending, past, again, begin)

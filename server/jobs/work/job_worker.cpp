@@ -324,8 +324,12 @@ void JobWorker::give_back_waiting(const absl::Status& why, const std::stop_token
     const std::lock_guard lock(mutex_);
     waiting.swap(waiting_);
   }
+  // What found no room has said so of its own job. These were not tried: nothing is said of
+  // theirs, and others have a turn before them, too.
+  const GiveBack untried = is_want_of_room(why) ? GiveBack{absl::OkStatus(), kRoomPause}
+                                                : GiveBack{in_our_name(why)};
   for (const HeldShard& shard : waiting) {
-    give_back(shard->lease.id, {in_our_name(why)}, stopping);
+    give_back(shard->lease.id, untried, stopping);
     let_go(shard);
   }
 }
