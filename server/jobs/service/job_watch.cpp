@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/convert/status.h"
 #include "proto/wire/transport.h"
 #include "server/jobs/service/job_messages.h"
 #include "server/ops/guard.h"
@@ -112,12 +113,11 @@ bool JobWatch::prepare() {
     events_.pop_front();
     return true;
   }
-  if (deleted_) {
-    end(absl::OkStatus());
-  } else if (!reading_ && std::exchange(news_, false)) {
+  const bool reads = !deleted_ && !reading_ && std::exchange(news_, false);
+  if (reads) {
     reading_ = true;
     shared_.threads.post(call_.client(), [self = self()] { self->read(); });
-  } else if (gone_ && !reading_) {
+  } else if (deleted_ || (gone_ && !reading_)) {
     end(absl::OkStatus());
   }
   return false;
