@@ -1,5 +1,6 @@
 #include "client/command/report_place.h"
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,8 +40,10 @@ absl::Status check_report_place(const MeshArguments& arguments, const MeshOption
   if (!written.ok()) return written.status();
   const auto place = link_target(options.report);
   for (const std::string& file : *written) {
-    // A folder is replaced as a whole.
-    if (link_target(file) != place && link_target(file) != place.parent_path()) continue;
+    // A folder, which may end with a slash, is replaced as a whole.
+    std::filesystem::path made = link_target(file);
+    if (!made.has_filename()) made = made.parent_path();
+    if (made != place && made != place.parent_path()) continue;
     return absl::InvalidArgumentError(
         absl::StrCat("the report would take the place of the mesh: both are to be ", file,
                      "; name another file for one of them"));

@@ -151,6 +151,16 @@ class Printed(CommandTest):
                                   REFUSED, "the report would take the place of", report.resolve().name)
                 self.assertEqual(report.read_bytes(), before)
 
+    def test_report_takes_no_place_in_a_folder_of_the_mesh(self):
+        ball, folder = self.inputs / "sphere.vdb", self.inputs / "mesh.polyMesh"
+        self.assert_done(self.tetstream("mesh", ball, "-o", folder))
+        before = (folder / "owner").read_bytes()
+        for output in (folder, f"{folder}/"):
+            self.assert_fails(self.tetstream("mesh", ball, "-o", output, "--format", "polymesh",
+                                             "--report", folder / "owner"),
+                              REFUSED, "the report would take the place of the mesh")
+        self.assertEqual((folder / "owner").read_bytes(), before)
+
 
 class FormatNames(CommandTest):
     volumes = {"parts": 0.1}
