@@ -46,23 +46,93 @@ void unpack_cut_points(const CountedMesh& mesh, std::size_t brick, StuffedLattic
   }
 }
 
-/// Whether every surface quad that has a vertex in its middle is said to have one.
-bool fans_are_right(const CountedMesh& mesh) {
-  if (!mesh.rules().both_sides) return true;
-  const OctreeLevel& finest = mesh.tree().levels[0];
-  std::atomic<bool> right{true};
-  for_each_range(finest.bricks.size(), kCodedPerRange, [&](std::size_t begin, std::size_t end) {
-    const auto lattice = std::make_unique<StuffedLattice>();
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!mesh.touches_surface(i)) continue;
-      unpack_cut_points(mesh, i, *lattice);
-      const HaloSet leaf = gather_halo(finest, finest.leaf, finest.bricks[i]);
-      const FanMasks fans =
-          find_fans(*lattice, gather_nodes(mesh.neighbourhood(i), leaf), mesh.rules());
-      if (fans != mesh.survey().fans[mesh.stuffed(i)]) right = false;
+/// Whether `fits(shape, signs)` is true for every tet shape of which some tets are cut.
+template <class Fits>
+bool all_cuts_fit(const FinestNodes& nodes, const Fits& fits) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const FaceSigns faces = signs_around_faces(nodes, axis);
+    for (std::size_t turn = 0; turn < 4; ++turn) {
+      const TetShape& shape = kTetShape[static_cast<std::size_t>(axis) * 4 + turn];
+      const ShapeSigns signs = signs_of_shape(faces, shape);
+      if (signs.cut.any() && !fits(shape, signs)) return false;
     }
+  }
+  return true;
+}
+
+bool has_cut_tets(const FinestNodes& nodes) {
+  return !all_cuts_fit(nodes, [](const TetShape&, const ShapeSigns&) { return false; });
+}
+
+/// Whether a brick's tets are cut only where cut points have come.
+bool cuts_have_points(const FinestNodes& nodes, const StuffedLattice& lattice) {
+  return all_cuts_fit(nodes, [&](const TetShape& shape, const ShapeSigns& signs) {
+    for (std::size_t e = 0; e < kTetEdge.size(); ++e) {
+      const auto [a, b] = kTetEdge[e];
+      const HaloSet crossed = signs.cut & ((*signs.plus[a] - *signs.plus[b] - *signs.zero[b]) |
+                                           (*signs.plus[b] - *signs.plus[a] - *signs.zero[a]));
+      const HaloSet there =
+          seen_from(lattice.warped.cut[shape.edge_family[e]], shape.offset[a]);
+      if ((crossed - there).any()) return false;
+    }
+    return true;
   });
-  return right;
+}
+
+/// Looks at what the chunks leave out: signs say which tets are cut, and whoever fills them
+/// takes for granted that their cut points, and the middles of their quads, are there.
+class CutChecker {
+ public:
+  explicit CutChecker(const CountedMesh& mesh)
+      : mesh_(mesh),
+        finest_(mesh.tree().levels[0]),
+        lattice_(std::make_unique<StuffedLattice>()) {}
+
+  /// Whether a finest brick has all that its signs ask for, and no more.
+  bool fits(std::size_t brick) {
+    const VerticesAround around = mesh_.vertices_around(brick);
+    const bool both_sides = mesh_.rules().both_sides;
+    if (!around[0].at_surface) {
+      // Far from the surface all around are alike.
+      const auto alike = [&](const OwnedVertices& other) {
+        return other.stuffed == around[0].stuffed;
+      };
+      return std::ranges::all_of(around, alike) || !has_cut_tets(nodes_of(brick));
+    }
+    const bool complete = std::ranges::all_of(around, &OwnedVertices::at_surface);
+    if (complete && !both_sides) return true;
+    unpack_cut_points(mesh_, brick, *lattice_);
+    const FinestNodes nodes = nodes_of(brick);
+    if (!complete && !cuts_have_points(nodes, *lattice_)) return false;
+    return !both_sides || find_fans(*lattice_, nodes, mesh_.rules()) == *around[0].fans;
+  }
+
+ private:
+  FinestNodes nodes_of(std::size_t brick) const {
+    return gather_nodes(mesh_.neighbourhood(brick),
+                        gather_halo(finest_, finest_.leaf, finest_.bricks[brick]));
+  }
+
+  const CountedMesh& mesh_;
+  const OctreeLevel& finest_;
+  std::unique_ptr<StuffedLattice> lattice_;
+};
+
+absl::Status check_cuts(const CountedMesh& mesh, const Cancellation& cancellation) {
+  std::atomic<bool> fits{true};
+  for_each_range(mesh.tree().levels[0].bricks.size(), kCodedPerRange,
+                 [&](std::size_t begin, std::size_t end) {
+                   CutChecker checker(mesh);
+                   for (std::size_t i = begin; i < end && !cancellation.requested(); ++i) {
+                     if (!checker.fits(i)) fits = false;
+                   }
+                 });
+  // Nothing may be filled that was not looked at.
+  if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+  if (fits) return absl::OkStatus();
+  return absl::DataLossError(
+      "a compact chunk is broken: a tet is cut where no cut point is, or has a fan where none "
+      "is");
 }
 
 absl::Status check_totals(const CountedMesh& mesh, const MeshHeader& header) {
@@ -85,9 +155,6 @@ absl::Status check_totals(const CountedMesh& mesh, const MeshHeader& header) {
         absl::StrFormat("faces of compact chunks have %d labels; the header says %d",
                         labelled.face_labels.size(), header.face_labels.size()));
   }
-  if (!fans_are_right(mesh)) {
-    return absl::DataLossError("a compact chunk is broken: a fan where there is none");
-  }
   return absl::OkStatus();
 }
 
@@ -105,6 +172,7 @@ absl::StatusOr<FilledMesh> decode_mesh(CompactBricks bricks,
   if (!counted.ok()) return counted.status();
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   if (auto status = check_totals(*counted, header); !status.ok()) return status;
+  if (auto status = check_cuts(*counted, cancellation); !status.ok()) return status;
   FilledMesh filled;
   try {
     filled.mesh = TetMesh(header, std::move(used));

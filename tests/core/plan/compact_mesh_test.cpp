@@ -150,6 +150,10 @@ bool count_again(Encoded& encoded) {
   return true;
 }
 
+// What a brick's first byte says: docs/wire_format.md.
+constexpr std::uint8_t kNextAlongZ = 0, kAnywhere = 2, kInside = 4, kSurface = 8,
+                       kHasLeaves = 16;
+
 /// Appends little-endian numbers.
 template <class... Numbers>
 void append(Bytes& bytes, Numbers... numbers) {
@@ -160,8 +164,15 @@ void append(Bytes& bytes, Numbers... numbers) {
   (one(numbers), ...);
 }
 
+void append_full(Bytes& bytes) { append(bytes, std::uint8_t{0}, std::uint8_t{0xff}); }
+void append_empty(Bytes& bytes) { append(bytes, std::uint8_t{0xff}, std::uint8_t{0}); }
+void append_varint(Bytes& bytes, std::size_t value) {
+  for (; value >= 0x80; value >>= 7) append(bytes, static_cast<std::uint8_t>(value | 0x80));
+  append(bytes, static_cast<std::uint8_t>(value));
+}
+
 TEST(CompactMesh, RefusesLeavesWithGapsWhateverTheHeaderSays) {
-  constexpr std::uint8_t kAnywhere = 2, kHasLeaves = 16, kFirstSliceOnly = 0xfe;
+  constexpr std::uint8_t kFirstSliceOnly = 0xfe;
   Bytes chunk;
   append(chunk, std::uint8_t{2});  // bricks: one of no use, and a coarse one
   append(chunk, kAnywhere, std::uint8_t{0}, 100, 100, 100);
@@ -174,6 +185,62 @@ TEST(CompactMesh, RefusesLeavesWithGapsWhateverTheHeaderSays) {
   ASSERT_TRUE(count_again(gap));
   ASSERT_GT(gap.header.tet_count, 0U);
   EXPECT_EQ(decode(gap).status().code(), absl::StatusCode::kDataLoss);
+}
+
+/// Appends the first brick of a chunk up to its leaves, all of them: at (0, 0, 0).
+void append_first(Bytes& chunk, std::uint8_t side) {
+  append(chunk, static_cast<std::uint8_t>(kAnywhere | side | kHasLeaves), std::uint8_t{0}, 0, 0,
+         0);
+  append_full(chunk);
+}
+
+/// A brick that is inside, and one that is not, with nothing between them.
+Bytes torn_bricks() {
+  Bytes chunk;
+  append(chunk, std::uint8_t{2});
+  append_first(chunk, kInside);
+  append(chunk, static_cast<std::uint8_t>(kNextAlongZ | kHasLeaves));
+  append_full(chunk);
+  return chunk;
+}
+
+/// The same, but the upper one has the cut points of its own edges.
+Bytes half_torn_bricks(bool both_sides, std::size_t cuts) {
+  Bytes chunk;
+  append(chunk, std::uint8_t{2});
+  append_first(chunk, 0);
+  append(chunk, static_cast<std::uint8_t>(kNextAlongZ | kSurface | kHasLeaves));
+  append_full(chunk);
+  for (int kind = 0; kind < kNodeKinds; ++kind) {
+    append_full(chunk);   // `+`
+    append_empty(chunk);  // zeros
+  }
+  for (std::size_t shape = 0; both_sides && shape < kTetShapes; ++shape) append_empty(chunk);
+  append_varint(chunk, cuts);
+  for (std::size_t i = 0; i < cuts; ++i) append(chunk, 0.5F);
+  return chunk;
+}
+
+TEST(CompactMesh, RefusesCutsWhereNoCutPointIs) {
+  for (const Preset preset : {Preset::kDefault, Preset::kBothSides}) {
+    MeshRequest request;
+    request.preset = preset;
+    Encoded torn = encode(test::ball(5), request);
+    torn.chunks = {torn_bricks()};
+    ASSERT_TRUE(count_again(torn));
+    ASSERT_GT(torn.header.tet_count, 0U);
+    EXPECT_EQ(decode(torn).status().code(), absl::StatusCode::kDataLoss);
+
+    int counted = 0;
+    for (std::size_t cuts = 0; cuts <= kEdgeFamilies * kBrickCells; ++cuts) {
+      torn.chunks = {half_torn_bricks(preset == Preset::kBothSides, cuts)};
+      if (!count_again(torn)) continue;
+      ++counted;
+      ASSERT_GT(torn.header.tet_count, 0U);
+      EXPECT_EQ(decode(torn).status().code(), absl::StatusCode::kDataLoss) << cuts;
+    }
+    EXPECT_EQ(counted, 1) << "so many cuts as the signs ask for";
+  }
 }
 
 TEST(CompactMesh, RefusesFractionsThatAreNone) {
