@@ -88,23 +88,39 @@ std::vector<BrickCoord> unlike_bricks(const Volume& a,
   return unlike;
 }
 
-/// Lattice bricks whose samples may read a voxel of these bricks.
-std::vector<BrickCoord> readers_of(const std::vector<BrickCoord>& voxel_bricks,
-                                   double spacing_voxels) {
-  // Nodes [-2, 10] of a brick are sampled, from the voxels on either side of each.
-  constexpr int kFirst = -2, kLast = 10;
-  const auto first = [&](std::int32_t brick) {
-    const double voxel = static_cast<double>(kBrickEdge) * brick - 1;
-    return static_cast<std::int32_t>(std::ceil((voxel / spacing_voxels - kLast) / kBrickEdge));
-  };
-  const auto last = [&](std::int32_t brick) {
-    const double voxel = static_cast<double>(kBrickEdge) * (brick + 1.0);
-    return static_cast<std::int32_t>(
-        std::floor((voxel / spacing_voxels - kFirst) / kBrickEdge));
-  };
+/// Lattice bricks along one axis whose samples may read a voxel of a brick.
+struct ReadersAlong {
+  std::int32_t first, last;
+
+  ReadersAlong(std::int32_t voxel_brick, double spacing_voxels) {
+    // Nodes [-2, 10] of a brick are sampled, from the voxels on either side of each.
+    constexpr int kFirstNode = -2, kLastNode = 10;
+    const double lowest = static_cast<double>(kBrickEdge) * voxel_brick - 1;
+    const double highest = static_cast<double>(kBrickEdge) * (voxel_brick + 1.0);
+    first = brick_at(std::ceil((lowest / spacing_voxels - kLastNode) / kBrickEdge));
+    last = brick_at(std::floor((highest / spacing_voxels - kFirstNode) / kBrickEdge));
+  }
+  double count() const { return double{last} - double{first} + 1; }
+
+ private:
+  /// No lattice has bricks beyond these.
+  static std::int32_t brick_at(double brick) {
+    constexpr double kMost = 1 << 30;
+    return static_cast<std::int32_t>(std::clamp(brick, -kMost, kMost));
+  }
+};
+
+/// Lattice bricks whose samples may read a voxel of these bricks; std::nullopt where a spacing
+/// far below the voxels makes them too many to list.
+std::optional<std::vector<BrickCoord>> readers_of(const std::vector<BrickCoord>& voxel_bricks,
+                                                  double spacing_voxels) {
+  double count = 0;
   std::vector<BrickCoord> readers;
   for (const BrickCoord b : voxel_bricks) {
-    for_each_brick({{first(b.x), first(b.y), first(b.z)}, {last(b.x), last(b.y), last(b.z)}},
+    const ReadersAlong x(b.x, spacing_voxels), y(b.y, spacing_voxels), z(b.z, spacing_voxels);
+    count += x.count() * y.count() * z.count();
+    if (count > FieldDifference::kMostReaders) return std::nullopt;
+    for_each_brick({{x.first, y.first, z.first}, {x.last, y.last, z.last}},
                    [&](BrickCoord reader) { readers.push_back(reader); });
   }
   sort_unique(readers);
@@ -125,13 +141,14 @@ std::unique_ptr<const FieldDifference> FieldDifference::between(
   if (earlier.iso != now.iso || earlier.negated() != now.negated() || !same_lattice(a, b)) {
     return nullptr;
   }
+  std::optional<std::vector<BrickCoord>> readers;
   if (replaced != nullptr) {
-    difference->touched_ = readers_of(*replaced, now.spacing_voxels);
-  } else {
-    const auto regions = regions_to_compare(a, b);
-    if (!regions) return nullptr;
-    difference->touched_ = readers_of(unlike_bricks(a, b, *regions), now.spacing_voxels);
+    readers = readers_of(*replaced, now.spacing_voxels);
+  } else if (const auto regions = regions_to_compare(a, b)) {
+    readers = readers_of(unlike_bricks(a, b, *regions), now.spacing_voxels);
   }
+  if (!readers) return nullptr;
+  difference->touched_ = *std::move(readers);
   difference->touched_index_ = BrickIndex(difference->touched_);
   return difference;
 }

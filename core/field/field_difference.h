@@ -16,7 +16,12 @@ namespace tet {
 /// FieldDifference::Asker.
 class FieldDifference {
  public:
-  /// Null where next to nothing can be the same: other lattices, a volume beside a scene. All
+  /// Lattice bricks that read what changed, each as often as it does: with more of them a mesh
+  /// is planned anew rather than compared. A hundred megabytes.
+  static constexpr double kMostReaders = 1 << 23;
+
+  /// Null where next to nothing can be the same: other lattices, a volume beside a scene, or
+  /// more than kMostReaders, as a spacing far below the voxels makes of few changes. All
   /// values of two volumes are compared, unless `replaced` names bricks of voxels, in any
   /// order, beyond which they are known to be the same. Parallel.
   static std::unique_ptr<const FieldDifference> between(

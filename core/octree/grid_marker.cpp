@@ -105,10 +105,15 @@ class GridMarker::Marks {
         spacing_(of.lattice_.voxel_size),
         bounds_(of.bounds_),
         levels_(of.levels_),
+        most_(of.most_),
         of_level_(static_cast<std::size_t>(of.levels_) + 1) {}
 
+  /// True once there are too many.
+  bool full() const { return marked > most_; }
+
+  /// Adds nothing more to marks that are full.
   void add(const Cube& cube) {
-    if (!(cube.value > 0)) return;
+    if (full() || !(cube.value > 0)) return;
     const int level = level_of_size(double{cube.value}, spacing_, levels_) + 1;
     if (level > levels_) return;
     const CellRange range = within(places_.cells(cube, level), bounds_, level);
@@ -116,9 +121,12 @@ class GridMarker::Marks {
     constexpr double kMostCells = 1 << 18;
     if (range.count() > kMostCells) {
       large.push_back({cube.value, places_.world_box(cube)});
-    } else {
-      add(range, of_level_[static_cast<std::size_t>(level)]);
+      return;
     }
+    add(range, of_level_[static_cast<std::size_t>(level)]);
+    added_ += range.count();
+    // Voxels share most of their cells, but large ones do not: what waits is bounded.
+    if (added_ > kMostCells) gather();
   }
 
   /// Cells that were added since the last time, each once.
@@ -130,6 +138,7 @@ class GridMarker::Marks {
       }
       of_level_[level].clear();
     }
+    added_ = 0;
   }
 
   std::vector<CellSetBuilder> cells;  ///< by level
@@ -153,6 +162,8 @@ class GridMarker::Marks {
   const double spacing_;
   const BrickBox bounds_;
   const int levels_;
+  const double most_;
+  double added_ = 0;  ///< since they were gathered, some more than once
   std::vector<std::map<BrickCoord, BrickMask>> of_level_;
 };
 
@@ -175,6 +186,7 @@ void GridMarker::mark(const Volume& grid) {
 
 void GridMarker::mark_bricks(const Volume& grid) {
   for_each_range(grid.bricks.size(), 64, [&](std::size_t begin, std::size_t end) {
+    if (full()) return;
     Marks marks(grid, *this);
     for (std::size_t i = begin; i < end && !cancellation_.requested(); ++i) {
       const BrickCoord b = grid.bricks[i];
@@ -184,7 +196,7 @@ void GridMarker::mark_bricks(const Volume& grid) {
         marks.add({voxel, 1, *values++});
       });
       marks.gather();
-      if (marks.marked > most_) break;
+      if (marks.full()) break;
     }
     take(marks);
   });
@@ -193,9 +205,12 @@ void GridMarker::mark_bricks(const Volume& grid) {
 void GridMarker::mark_constants(const Volume& grid) {
   constexpr int kEdge = Region::kEdgeBricks;
   Marks marks(grid, *this);
-  for (const ConstantCube& cube : grid.cubes) marks.add({cube.min, cube.edge, cube.value});
+  for (const ConstantCube& cube : grid.cubes) {
+    if (marks.full() || cancellation_.requested()) break;
+    marks.add({cube.min, cube.edge, cube.value});
+  }
   for (const Region& region : grid.regions) {
-    if (marks.marked > most_ || cancellation_.requested()) break;
+    if (marks.full() || cancellation_.requested()) break;
     for (int i = 0; i < kEdge * kEdge * kEdge; ++i) {
       const auto at = static_cast<std::size_t>(i);
       // The background is the coarsest size everywhere, or none.
@@ -211,6 +226,11 @@ void GridMarker::mark_constants(const Volume& grid) {
   }
   marks.gather();
   take(marks);
+}
+
+bool GridMarker::full() {
+  const std::lock_guard lock(mutex_);
+  return marked_ > most_;
 }
 
 void GridMarker::take(Marks& marks) {

@@ -43,6 +43,7 @@ class GridMarker {
   void mark_bricks(const Volume& grid);
   void mark_constants(const Volume& grid);
   void take(Marks& marks);
+  bool full();
 
   const VoxelTransform lattice_;
   const BrickBox bounds_;

@@ -128,6 +128,21 @@ TEST(FieldDifference, TakesCallersAtTheirWordOfWhatWasReplaced) {
   }
 }
 
+TEST(FieldDifference, ListsNoMoreBricksThanThereIsMemoryFor) {
+  const Volume volume = test::ball(9);
+  Volume changed = volume;
+  changed.values[77] += 0.25F;
+  const std::vector<BrickCoord> one{volume.bricks[0]}, far{{1 << 26, 0, -(1 << 26)}};
+  for (const double spacing : {1e-3, 1e-9, 1e-300}) {
+    const PhiField earlier = field_of(volume, spacing), now = field_of(changed, spacing);
+    EXPECT_EQ(FieldDifference::between(earlier, now), nullptr) << spacing;
+    EXPECT_EQ(FieldDifference::between(earlier, now, &one), nullptr) << spacing;
+  }
+  // Few of them are listed wherever they lie: beyond all lattices, too.
+  EXPECT_NE(FieldDifference::between(field_of(volume, 0.05), field_of(volume, 0.05), &far),
+            nullptr);
+}
+
 TEST(FieldDifference, ComparesLatticesWhateverWasReplaced) {
   const Volume volume = test::ball(9);
   const std::vector<BrickCoord> none;
