@@ -100,7 +100,7 @@ struct ReadersAlong {
     first = brick_at(std::ceil((lowest / spacing_voxels - kLastNode) / kBrickEdge));
     last = brick_at(std::floor((highest / spacing_voxels - kFirstNode) / kBrickEdge));
   }
-  double count() const { return double{last} - double{first} + 1; }
+  double count() const { return static_cast<double>(last) - first + 1; }
 
  private:
   /// No lattice has bricks beyond these.
