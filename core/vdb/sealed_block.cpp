@@ -9,6 +9,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/posix/memory_file.h"
+
 namespace tet {
 namespace {
 
@@ -24,7 +26,7 @@ absl::Status wrong(const std::string& what) {
 }  // namespace
 
 absl::StatusOr<Descriptor> make_sealable_memory() {
-  Descriptor memory(::memfd_create("tetstream-result", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  Descriptor memory = make_memory_file("tetstream-result");
   if (memory.is_open()) return memory;
   return absl::UnavailableError(
       absl::StrCat("there is no memory to decode into: ", std::strerror(errno)));
@@ -36,7 +38,9 @@ absl::Status seal_memory(int descriptor) {
 }
 
 absl::StatusOr<SealedBlock> SealedBlock::map(int descriptor, std::uint64_t max_bytes) {
-  if (::fcntl(descriptor, F_GET_SEALS) != kSeals) return wrong("is not sealed");
+  // The system may have added seals of its own (vm.memfd_noexec).
+  const int seals = ::fcntl(descriptor, F_GET_SEALS);
+  if (seals < 0 || (seals & kSeals) != kSeals) return wrong("is not sealed");
   struct stat facts {};
   if (::fstat(descriptor, &facts) != 0) return wrong("has no size");
   const auto size = static_cast<std::uint64_t>(facts.st_size);

@@ -9,6 +9,8 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/posix/memory_file.h"
+
 namespace tet {
 
 namespace {
@@ -45,8 +47,7 @@ Mapping& Mapping::operator=(Mapping&& other) noexcept {
 
 absl::StatusOr<SealedMemory> SealedMemory::make(std::size_t bytes, Readers readers) {
   SealedMemory memory;
-  memory.writing_ =
-      Descriptor(::memfd_create("tetstream-chunks", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  memory.writing_ = make_memory_file("tetstream-chunks");
   const int number = memory.writing_.number();
   if (!memory.writing_.is_open() || ::ftruncate(number, static_cast<off_t>(bytes)) != 0) {
     return no_memory(bytes);

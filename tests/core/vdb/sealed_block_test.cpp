@@ -33,6 +33,19 @@ TEST(SealedBlock, HoldsWhatWasWritten) {
   EXPECT_EQ(block->bytes().size(), 5U);
 }
 
+// Hosts that let no memory be run (vm.memfd_noexec) seal that, too, unasked.
+TEST(SealedBlock, MayHaveMoreSealsThanItNeeds) {
+  constexpr unsigned kNoExecSeal = 0x0008U;
+  const Descriptor memory(
+      ::memfd_create("hardened", MFD_CLOEXEC | MFD_ALLOW_SEALING | kNoExecSeal));
+  if (!memory.is_open()) GTEST_SKIP() << "the kernel has no such memory";
+  ASSERT_EQ(::write(memory.number(), "hello", 5), 5);
+  ASSERT_TRUE(seal_memory(memory.number()).ok());
+  const absl::StatusOr<SealedBlock> block = SealedBlock::map(memory.number(), 5);
+  ASSERT_TRUE(block.ok()) << block.status();
+  EXPECT_EQ(std::memcmp(block->bytes().data(), "hello", 5), 0);
+}
+
 TEST(SealedBlock, CannotBeChangedByAnyone) {
   const Descriptor memory = memory_of("hello");
   ASSERT_TRUE(seal_memory(memory.number()).ok());
