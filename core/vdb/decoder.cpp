@@ -52,6 +52,16 @@ absl::Status timed_out(const DecodeOrder& order, Clock::duration limit) {
                                      std::chrono::duration<double>(limit).count()));
 }
 
+/// Its own limits end it with other signals, and it can send none: somebody else did, most
+/// likely the system, for want of memory that others may have taken.
+absl::Status killed(const DecodeOrder& order) {
+  return named_failure(
+      "DECODER_MEMORY",
+      absl::ResourceExhaustedError(absl::StrFormat(
+          "'%s' was not decoded: the decoder was killed, as the system does where memory is short",
+          order.file_name)));
+}
+
 absl::Status gone() { return unavailable("a decoder ended before it had anything to do"); }
 
 struct SocketPair {
@@ -218,6 +228,7 @@ absl::Status Decoder::explain_death(const DecodeOrder& order,
         "DECODER_MEMORY", order.file_name,
         absl::StrFormat("the result has more than %d bytes", order.limits.result_bytes));
   }
+  if (how.si_status == SIGKILL) return killed(order);
   return undecodable("DECODER_CRASHED", order.file_name,
                      absl::StrFormat("the decoder crashed (signal %d)", how.si_status));
 }

@@ -51,7 +51,8 @@ class Decoder {
   absl::Status wait_until_ready(const std::function<bool()>& cancelled);
 
   /// Has it read `file`; once. Errors: what the decoder says of the file; kInvalidArgument with
-  /// DECODER_CRASHED, DECODER_TIMEOUT, DECODER_MEMORY or DECODER_RESULT; kCancelled;
+  /// DECODER_CRASHED, DECODER_TIMEOUT, DECODER_MEMORY or DECODER_RESULT; kResourceExhausted
+  /// with DECODER_MEMORY (killed from outside: another try may succeed); kCancelled;
   /// kUnavailable (it was gone before it had the order: another one may do it).
   absl::StatusOr<SealedBlock> decode(const DecodeOrder& order, int file, const DecodeEnd& end);
 

@@ -35,6 +35,17 @@ absl::Status limit(__rlimit_resource resource, std::uint64_t value, const char* 
   return ::setrlimit(resource, &both) == 0 ? absl::OkStatus() : refused(what, errno);
 }
 
+/// SIGXCPU comes at `seconds`, and tells the parent why the process ended. Where both limits
+/// are one, the kernel kills without a word.
+absl::Status limit_processor_time(std::uint64_t seconds) {
+  rlimit now{};
+  if (::getrlimit(RLIMIT_CPU, &now) != 0) return refused("processor time", errno);
+  const rlim_t hard = std::min<rlim_t>(seconds + 1, now.rlim_max);
+  const rlimit both{std::min<rlim_t>(seconds, hard > 0 ? hard - 1 : 0), hard};
+  return ::setrlimit(RLIMIT_CPU, &both) == 0 ? absl::OkStatus()
+                                             : refused("processor time", errno);
+}
+
 absl::Status control(int option, unsigned long value, const char* what) {
   return ::prctl(option, value, 0UL, 0UL, 0UL) == 0 ? absl::OkStatus() : refused(what, errno);
 }
@@ -142,7 +153,7 @@ absl::Status enter_custody() {
 absl::Status enter_sandbox(const DecodeLimits& limits, int socket, int file, int result) {
   // The filter would kill one that is still starting, and us with it.
   absl::Status status = await_idle_threads();
-  if (status.ok()) status = limit(RLIMIT_CPU, limits.cpu_seconds, "processor time");
+  if (status.ok()) status = limit_processor_time(limits.cpu_seconds);
   if (status.ok()) status = limit_resources(limits);
   if (status.ok()) status = limit_system_calls(socket, file, result);
   return status;

@@ -34,7 +34,16 @@ constexpr Reasons kOfFile{"GRID_NOT_IN_FILE", "UNREADABLE_FILE", "NOT_MESHABLE",
 constexpr Reasons kOfField{"GRID_NOT_IN_FILE", "UNREADABLE_FILE", "NOT_A_FIELD", "DISK"};
 constexpr Reasons kOfMesh{"INTERNAL", "INVALID_FIELD", "NOTHING_TO_MESH", "INTERNAL"};
 
+/// After which whoever took the memory that a decoder lacked may be done with it.
+constexpr absl::Duration kMemoryAgain = absl::Seconds(5);
+
+/// Whether the system has ended a decoder, whose file may be read at another time.
+bool was_short_of_memory(const absl::Status& status) {
+  return absl::IsResourceExhausted(status) && reason_of(status) == "DECODER_MEMORY";
+}
+
 absl::Status with_reason_of(const absl::Status& status, const Reasons& reasons) {
+  if (was_short_of_memory(status)) return with_retry(status, kMemoryAgain);
   if (has_reason(status)) return status;
   switch (status.code()) {
     case absl::StatusCode::kNotFound:

@@ -97,6 +97,22 @@ TEST_F(DecodingTest, EndsADecodeThatNobodyWaitsFor) {
   EXPECT_TRUE(mesh(mesh_of(ball_file(9))).ok());  // by the same, only process
 }
 
+TEST_F(DecodingTest, MayDecodeAgainWhatTheSystemHasEndedForItsMemory) {
+  config_.decoders = 1;
+  start_with_hostile_decoder();
+  const v1::MeshRequest ball = mesh_of(ball_file(8));
+  grpc::Status status;
+  std::thread client([&] { status = mesh(ball, "hang"); });
+  const pid_t hanging = hanging_decoder(config_.decoder);
+  EXPECT_NE(hanging, 0);
+  if (hanging != 0) ::kill(hanging, SIGKILL);
+  client.join();
+  expect_reason(status, "DECODER_MEMORY");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(status.error_details(), HasSubstr("google.rpc.RetryInfo"));
+  EXPECT_TRUE(mesh(ball).ok());
+}
+
 TEST_F(DecodingTest, IsUnavailableWithoutAProgram) {
   config_.decoder = folder_.file("nothing");
   start();

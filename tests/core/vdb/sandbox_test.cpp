@@ -63,5 +63,19 @@ TEST_F(SandboxTest, EndsWhatSpins) {
   EXPECT_EQ(failure_name(status), "DECODER_TIMEOUT") << status;
 }
 
+TEST_F(SandboxTest, TellsThatWhatSpinsHadItsTimeOfAProcessor) {
+  absl::StatusOr<CheckedFile> checked = check_request(request(), test::kGenerousEnd);
+  ASSERT_TRUE(checked.ok()) << checked.status();
+  checked->order.limits.cpu_seconds = 1;
+  absl::StatusOr<Decoder> decoder = Decoder::start({hostile("spin"), {}});
+  ASSERT_TRUE(decoder.ok()) << decoder.status();
+  ASSERT_EQ(decoder->wait_until_ready(nullptr), absl::OkStatus());
+  const absl::Status status =
+      decoder->decode(checked->order, checked->file.number(), {test::kGenerousEnd, nullptr})
+          .status();
+  EXPECT_EQ(failure_name(status), "DECODER_TIMEOUT") << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("more than 1 s of processor time"));
+}
+
 }  // namespace
 }  // namespace tet
