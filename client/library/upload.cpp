@@ -1,12 +1,14 @@
 #include "client/library/upload.h"
 
 #include <cstddef>
-#include <fstream>
+#include <utility>
 
+#include <absl/status/statusor.h>
 #include <absl/strings/str_cat.h>
 
 #include "client/library/client_call.h"
 #include "client/library/raw_call.h"
+#include "core/base/posix/file.h"
 #include "proto/wire/block_pool.h"
 #include "proto/wire/serialized.h"
 #include "proto/wire/transport.h"
@@ -20,24 +22,23 @@ namespace {
 /// Reads a file piece by piece into the messages that carry it.
 class PieceReader {
  public:
-  PieceReader(const LocalFile& file, std::uint64_t offset)
-      : input_(file.path, std::ios::binary), offset_(offset) {
-    input_.seekg(static_cast<std::streamoff>(offset));
-  }
+  PieceReader(File file, std::uint64_t offset) : input_(std::move(file)), offset_(offset) {}
 
-  /// The next piece as an UploadGridRequest; of nothing at the end of the file.
-  grpc::ByteBuffer next() {
+  /// The next piece as an UploadGridRequest; of nothing at the end of the file. Errors: those
+  /// of io_error.
+  absl::StatusOr<grpc::ByteBuffer> next() {
     const grpc::Slice block = blocks_.take(FieldWriter::kCapacity + kUploadPieceBytes);
     auto* const bytes = reinterpret_cast<char*>(const_cast<std::uint8_t*>(block.begin()));
     auto* const piece = bytes + FieldWriter::kCapacity;
-    input_.read(piece, std::streamsize{kUploadPieceBytes});
-    size_ = static_cast<std::size_t>(input_.gcount());
+    const auto count = input_.read_at(offset_, {piece, kUploadPieceBytes});
+    if (!count.ok()) return count.status();
+    size_ = *count;
     const FieldWriter prefix = upload_prefix(offset_, size_);
     prefix.copy_before(reinterpret_cast<std::byte*>(piece));
     offset_ += size_;
     const grpc::Slice message =
         block.sub(FieldWriter::kCapacity - prefix.size(), FieldWriter::kCapacity + size_);
-    return {&message, 1};
+    return grpc::ByteBuffer(&message, 1);
   }
 
   /// Bytes of the file in the last piece, and where it ended.
@@ -49,27 +50,31 @@ class PieceReader {
   static constexpr std::size_t kBlocks = 3;
 
   BlockPool blocks_{FieldWriter::kCapacity + kUploadPieceBytes, kBlocks};
-  std::ifstream input_;
+  File input_;
   std::uint64_t offset_;
   std::size_t size_ = 0;
 };
 
-/// Writes what the server lacks, until it stops listening.
-void write_pieces(RawCall& call,
-                  const LocalFile& file,
-                  std::uint64_t offset,
-                  const ClientProgress& progress) {
+/// Writes what the server lacks, until it stops listening. Errors: those of reading the file.
+absl::Status write_pieces(RawCall& call,
+                          const LocalFile& file,
+                          std::uint64_t offset,
+                          const ClientProgress& progress) {
+  absl::StatusOr<File> opened = File::open(file.path, O_RDONLY, io_error);
+  if (!opened.ok()) return opened.status();
   v1::UploadGridRequest start;
   start.mutable_start()->set_name(file.name);
   start.mutable_start()->set_size_bytes(static_cast<std::int64_t>(file.size_bytes));
-  if (!call.write(serialized(start))) return;
-  for (PieceReader reader(file, offset); reader.offset() < file.size_bytes;) {
-    const grpc::ByteBuffer piece = reader.next();
+  if (!call.write(serialized(start))) return absl::OkStatus();
+  for (PieceReader reader(*std::move(opened), offset); reader.offset() < file.size_bytes;) {
+    const absl::StatusOr<grpc::ByteBuffer> piece = reader.next();
+    if (!piece.ok()) return piece.status();
     if (reader.piece_bytes() == 0) break;  // the file shrank: the server will miss the rest
-    if (!call.write(piece)) return;
+    if (!call.write(*piece)) return absl::OkStatus();
     if (progress.upload) progress.upload(reader.offset(), file.size_bytes);
   }
   call.writes_done();
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -82,7 +87,11 @@ absl::Status upload_from(const ServerChannel& channel,
   ClientCall attempt(channel, cancellation);
   RawCall call(channel.channel(), attempt.context(), v1::GridService::service_full_name(),
                "UploadGrid");
-  write_pieces(call, file, offset, progress);
+  if (absl::Status unread = write_pieces(call, file, offset, progress); !unread.ok()) {
+    attempt.context().TryCancel();
+    call.finish();
+    return unread;
+  }
   grpc::ByteBuffer answer;
   v1::UploadGridResponse response;
   const bool answered = call.read(answer) && deserialize(answer, response);

@@ -12,8 +12,8 @@
 
 namespace tet {
 
-/// One UploadGrid call that sends `file` from `offset` on. kAborted when it ended well but
-/// short.
+/// One UploadGrid call that sends `file` from `offset` on. Errors: kAborted when it ended
+/// well but short; those of io_error where the file cannot be read; the server's.
 absl::Status upload_from(const ServerChannel& channel,
                          const LocalFile& file,
                          std::uint64_t offset,
