@@ -90,7 +90,17 @@ absl::Status RemeshSession::send(const v1::RemeshRequest& message) {
   return stream_->write(serialized(message)) ? absl::OkStatus() : broken();
 }
 
+/// What is thrown for want of memory leaves a frame that is half taken.
 absl::Status RemeshSession::exchange(const v1::RemeshRequest& message) {
+  try {
+    return take_frame(message);
+  } catch (...) {
+    if (!ended_) give_up(absl::OkStatus()).IgnoreError();
+    throw;
+  }
+}
+
+absl::Status RemeshSession::take_frame(const v1::RemeshRequest& message) {
   if (auto sent = send(message); !sent.ok()) return sent;
   if (stable_) return patch();
   MeshReceiver receiver(mesh_.mesh_id.empty() ? nullptr : &mesh_.mesh, std::move(used_),

@@ -25,7 +25,8 @@ enum class SessionIds : bool {
 };
 
 /// One session, with one server. Not thread-safe. A frame that the server refuses leaves the
-/// mesh as it was, and the session alive; after any other error it is over: begin another.
+/// mesh as it was, and the session alive; after any other error, or exception, it is over:
+/// begin another.
 class RemeshSession {
  public:
   /// Receives the mesh of `request`. `cancellation` outlives the session.
@@ -63,6 +64,7 @@ class RemeshSession {
 
   absl::Status send(const v1::RemeshRequest& message);
   absl::Status exchange(const v1::RemeshRequest& message);
+  absl::Status take_frame(const v1::RemeshRequest& message);
   absl::Status patch();
   template <class Receiver>
   absl::Status receive(Receiver& receiver);

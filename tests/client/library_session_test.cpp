@@ -1,12 +1,15 @@
 // Sessions of the public library, here and on a server.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "client/library/api/changed_leaves.h"
+#include "client/library/api/session_impl.h"
 #include "client/library/api/volume_impl.h"
 #include "tests/client/library_fixture.h"
 
@@ -143,6 +146,36 @@ TEST_F(SessionOnAServer, SaysWhatItCannotFollow) {
   EXPECT_EQ(
       other.message(),
       "the background is another than that of the session's volume: begin another session");
+}
+
+/// Has memory for a frame, and none to hand it over.
+class FullFrames final : public FrameMaker<FrameMesh> {
+ public:
+  explicit FullFrames(bool follows) : follows_(follows) {}
+  Result<FrameMesh> make(const Volume&, const Volume&, const ReplacedBoxes&) override {
+    throw std::bad_alloc();
+  }
+  Result<FrameMesh> make(const Scene&) override { throw std::bad_alloc(); }
+  bool is_over() const override { return false; }
+  bool follows() const override { return follows_; }
+  Status end() override { return {}; }
+
+ private:
+  const bool follows_;
+};
+
+// The next update would send what differs from a frame that the server no longer has.
+TEST(LibrarySession, IsOverWhereItsMakerMayBeAheadOfWhatIsShown) {
+  for (const bool follows : {true, false}) {
+    FollowedShape<FrameMesh> of_volume{WorkOptions()}, of_scene{WorkOptions()};
+    of_volume.volume = frame(0);
+    of_volume.maker = std::make_unique<FullFrames>(follows);
+    of_scene.maker = std::make_unique<FullFrames>(follows);
+    EXPECT_EQ(of_volume.update(frame(1)).code(), StatusCode::kResourceExhausted);
+    EXPECT_EQ(of_scene.update(lens(0.5)).code(), StatusCode::kResourceExhausted);
+    EXPECT_EQ(of_volume.over, follows);
+    EXPECT_EQ(of_scene.over, follows);
+  }
 }
 
 TEST(LibrarySession, SaysWhyThereIsNone) {

@@ -44,6 +44,7 @@ class LocalFrames final : public FrameMaker<FrameMesh> {
   }
   Result<FrameMesh> make(const Scene& scene) override { return frame(scene); }
   bool is_over() const override { return cancellation_.requested(); }
+  bool follows() const override { return false; }
   Status end() override { return {}; }
 
  private:

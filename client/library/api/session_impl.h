@@ -34,6 +34,9 @@ class FrameMaker {
   virtual Result<Frame> make(const Scene& scene) = 0;
   /// A frame has failed, and nobody can make another.
   virtual bool is_over() const = 0;
+  /// Whether it makes a frame from what it holds of the one before. What is thrown meanwhile may
+  /// leave it between the two.
+  virtual bool follows() const { return true; }
   virtual Status end() = 0;
 };
 
@@ -58,9 +61,18 @@ class FollowedShape {
     return {StatusCode::kFailedPrecondition, "the session is over: begin another"};
   }
   /// Takes the next frame, unless it has failed.
-  Status take(Result<Frame> frame) {
+  template <class Make>
+  Status take(const Make& make) {
+    bool has_thrown = true;
+    Result<Frame> frame = guarded([&]() -> Result<Frame> {
+      Result<Frame> made = make();
+      has_thrown = false;
+      return made;
+    });
     if (!frame.ok()) {
-      over = maker->is_over();
+      // The maker may have gone on to a frame that nobody has: a difference from the one that is
+      // shown would make a wrong mesh of it.
+      over = maker->is_over() || (has_thrown && maker->follows());
       return frame.status();
     }
     now = *std::move(frame);
@@ -74,8 +86,7 @@ Status FollowedShape<Frame>::update(const Volume& next, const ReplacedBoxes& rep
   if (!volume) {
     return {StatusCode::kInvalidArgument, "the session began with a scene: give it a scene"};
   }
-  Status status =
-      take(guarded([&]() -> Result<Frame> { return maker->make(*volume, next, replaced); }));
+  Status status = take([&] { return maker->make(*volume, next, replaced); });
   if (status.ok()) volume = next;
   return status;
 }
@@ -86,7 +97,7 @@ Status FollowedShape<Frame>::update(const Scene& scene) {
   if (volume) {
     return {StatusCode::kInvalidArgument, "the session began with a volume: give it a volume"};
   }
-  return take(guarded([&]() -> Result<Frame> { return maker->make(scene); }));
+  return take([&] { return maker->make(scene); });
 }
 
 template <class Frame>

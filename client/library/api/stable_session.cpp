@@ -36,8 +36,14 @@ Status update_shown(StableSession::Impl& session, const Frame&... frame) {
   const bool was_over = session.over;
   Status status = session.update(frame...);
   if (status.ok()) {
-    session.show();
-  } else if (session.over && !was_over) {
+    // What is shown of the frame before has the next one's columns by now.
+    status = guarded([&]() -> Status {
+      session.show();
+      return {};
+    });
+    if (!status.ok()) session.over = true;
+  }
+  if (session.over && !was_over) {
     session.failed = true;
     session.shown = {};
   }
