@@ -42,7 +42,7 @@ void UploadStream::begin() {
   absl::Status admitted = call_.admission();
   if (admitted.ok()) admitted = ticket_.status();
   if (!admitted.ok()) return finish(admitted);
-  wait_for(1);
+  events_.await(UploadEvents::kMessage);
   read();
 }
 
@@ -54,7 +54,7 @@ void UploadStream::read() {
 void UploadStream::OnReadDone(bool ok) {
   read_start_ = kNotReading;
   more_ = ok;
-  happened();
+  happened(UploadEvents::kMessage);
 }
 
 std::optional<Stallable::Clock::time_point> UploadStream::waiting_since() {
@@ -66,19 +66,15 @@ std::optional<Stallable::Clock::time_point> UploadStream::waiting_since() {
 /// Where the message is all that is awaited, it is awaited no more: nobody else has a turn. The
 /// piece before it is written by then, and is the client's to resume from.
 void UploadStream::give_up(std::chrono::seconds waited) {
-  constexpr int kGivenUp = 1000;
-  int only_a_message = 1;
-  if (!awaited_.compare_exchange_strong(only_a_message, kGivenUp)) return;
+  if (!events_.give_up()) return;
   read_start_ = kNotReading;
   const absl::Status kept = end_piece();
   finish(kept.ok() ? client_stalled("sent nothing", waited) : kept);
 }
 
-/// `go_on` runs next, on the pool, when as many events have happened.
-void UploadStream::wait_for(int events) { awaited_.store(events); }
-
-void UploadStream::happened() {
-  if (awaited_.fetch_sub(1) > 1) return;
+/// `go_on` runs next, on the pool, when all awaited events have happened.
+void UploadStream::happened(UploadEvents::Event event) {
+  if (!events_.happened(event)) return;
   disk_.post(call_.client(), [self = self_] { self->go_on(); });
 }
 
@@ -171,15 +167,16 @@ void UploadStream::begin_work() {
   const bool has_piece = piece_.size > 0;
   const bool last =
       has_piece && upload_->committed_size() + piece_.size == upload_->size_bytes();
-  wait_for((last ? 0 : 1) + (has_piece ? 2 : 0));
+  constexpr unsigned kOfPiece = UploadEvents::kWritten | UploadEvents::kDigested;
+  events_.await((last ? 0U : UploadEvents::kMessage) | (has_piece ? kOfPiece : 0U));
   if (!last) read();
   if (!has_piece) return;
   disk_.post(call_.client(), [self = self_] {
     self->upload_->digest(self->piece_.bytes);
-    self->happened();
+    self->happened(UploadEvents::kDigested);
   });
   written_ = guarded("UploadGrid", [&] { return upload_->write(piece_.bytes); });
-  happened();
+  happened(UploadEvents::kWritten);
 }
 
 absl::Status UploadStream::commit() {

@@ -12,6 +12,7 @@
 #include "proto/convert/upload_piece.h"
 #include "server/grids/grid_store.h"
 #include "server/grids/grid_upload.h"
+#include "server/grids/upload_events.h"
 #include "server/rpc/calls.h"
 #include "server/rpc/stall_watch.h"
 #include "tetstream/v1/grids.pb.h"
@@ -57,8 +58,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
 
   static constexpr Clock::rep kNotReading = -1;
 
-  void wait_for(int events);
-  void happened();
+  void happened(UploadEvents::Event event);
 
   void go_on();
   absl::Status take_turn();
@@ -80,7 +80,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   std::unique_ptr<GridUpload> upload_;
 
   std::shared_ptr<UploadStream> self_;  ///< until gRPC is done
-  std::atomic<int> awaited_{0};         ///< of: message read, piece written, piece digested
+  UploadEvents events_;                 ///< message read, piece written, piece digested
   std::atomic<Clock::rep> read_start_{kNotReading};
   grpc::ByteBuffer message_;    ///< read last
   bool more_ = false;           ///< the last read brought a message
