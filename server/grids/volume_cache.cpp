@@ -5,6 +5,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/base/contain.h"
 #include "proto/convert/status.h"
 
 namespace tet {
@@ -29,30 +30,68 @@ VolumeCache::VolumeCache(FairTasks& tasks,
       loader_(std::move(loader)),
       release_(std::move(release)) {}
 
-void VolumeCache::get(const VolumeKey& key, const std::string& path, Request request) {
-  const std::lock_guard lock(mutex_);
-  const auto [it, is_new] = entries_.try_emplace(key);
-  Entry& entry = it->second;
-  entry.last_use = ++clock_;
-  if (entry.grid) {
-    tasks_.post(request.client,
-                [answer = std::move(request.answer), grid = *entry.grid] { answer(grid); });
-    return;
+/// Tells how a load ended, once: where nobody does, that it failed. What is thrown anywhere on
+/// its way, as for want of memory, must leave nobody waiting, neither now nor later.
+class VolumeCache::Ending {
+ public:
+  Ending(VolumeCache& cache, Load load) : cache_(cache), load_(std::move(load)) {}
+  ~Ending() {
+    if (!told_) contain("loading a grid", [this] { tell(lost()); });
   }
+  Ending(const Ending&) = delete;
+  Ending& operator=(const Ending&) = delete;
+
+  void tell(Loaded read) {
+    cache_.finish_load(load_, std::move(read));
+    told_ = true;
+  }
+
+  static absl::Status lost() {
+    return absl::InternalError("the server failed in reading the file");
+  }
+
+ private:
+  VolumeCache& cache_;
+  const Load load_;
+  bool told_ = false;
+};
+
+void VolumeCache::get(const VolumeKey& key, const std::string& path, Request request) {
   const Load wanted{key, path, request.client};
-  entry.waiting.push_back(std::move(request));
-  if (is_new) load(wanted);
+  {
+    const std::lock_guard lock(mutex_);
+    Entry& entry = entries_[key];
+    entry.last_use = ++clock_;
+    if (entry.grid) {
+      tasks_.post(request.client,
+                  [answer = std::move(request.answer), grid = *entry.grid] { answer(grid); });
+      return;
+    }
+    // It is being loaded while anybody waits for it.
+    entry.waiting.push_back(std::move(request));
+    if (entry.waiting.size() > 1) return;
+  }
+  load(wanted);
 }
 
 void VolumeCache::load(const Load& load) {
-  loader_(
-      load, [this, key = load.key] { return is_abandoned(key); },
-      [this, load](Loaded read) { finish_load(load, std::move(read)); });
+  std::shared_ptr<Ending> ending;
+  contain("loading a grid", [&] {
+    ending = std::make_shared<Ending>(*this, load);
+    loader_(
+        load, [this, key = load.key] { return is_abandoned(key); },
+        [ending](Loaded read) { ending->tell(std::move(read)); });
+  });
+  if (ending == nullptr) {
+    contain("loading a grid", [&] { finish_load(load, Ending::lost()); });
+  }
 }
 
 bool VolumeCache::is_abandoned(const VolumeKey& key) {
   const std::lock_guard lock(mutex_);
-  const auto& waiting = entries_.find(key)->second.waiting;
+  const auto entry = entries_.find(key);
+  if (entry == entries_.end()) return true;
+  const auto& waiting = entry->second.waiting;
   return std::all_of(waiting.begin(), waiting.end(),
                      [](const Request& request) { return request.cancelled(); });
 }
@@ -66,12 +105,13 @@ void VolumeCache::finish_load(const Load& wanted, Loaded read) {
 
   const std::lock_guard lock(mutex_);
   const auto entry = entries_.find(key);
-  for (Request& request : entry->second.waiting) {
+  if (entry == entries_.end()) return;  // it was told already, as far as that went
+  std::vector<Request> waiting = std::exchange(entry->second.waiting, {});
+  if (!loaded.ok()) entries_.erase(entry);
+  for (Request& request : waiting) {
     tasks_.post(request.client,
                 [answer = std::move(request.answer), loaded] { answer(loaded); });
   }
-  entry->second.waiting.clear();
-  if (!loaded.ok()) entries_.erase(entry);
 }
 
 /// Makes room for a volume that has just been read, and puts it there.

@@ -61,7 +61,8 @@ class VolumeCache {
     std::string path;
     std::string client;
   };
-  /// Has the volume read elsewhere, until nobody wants it any more; calls `done` on any thread.
+  /// Has the volume read elsewhere, until nobody wants it any more; calls `done` once, on any
+  /// thread. Where it throws, or lets go of `done` uncalled, the load has failed.
   using LoadDone = std::function<void(absl::StatusOr<GridInMemory>)>;
   using Loader = std::function<void(const Load& load, Cancelled abandoned, LoadDone done)>;
 
@@ -86,6 +87,8 @@ class VolumeCache {
     std::uint64_t last_use = 0;
     std::vector<Request> waiting;
   };
+
+  class Ending;
 
   void load(const Load& load);
   void finish_load(const Load& load, Loaded read);

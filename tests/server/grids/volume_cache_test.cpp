@@ -3,6 +3,7 @@
 #include <atomic>
 #include <future>
 #include <list>
+#include <new>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -29,6 +30,8 @@ class CacheTest : public testing::Test {
         [this](const VolumeCache::Load& load, const VolumeCache::Cancelled& abandoned,
                const VolumeCache::LoadDone& done) {
           ++loads_;
+          if (load.key.grid_name == "no memory") throw std::bad_alloc();
+          if (load.key.grid_name == "lost") return;
           pool_.post(
               [name = load.key.grid_name, abandoned, done] { done(read(name, abandoned)); });
         },
@@ -111,6 +114,17 @@ TEST_F(CacheTest, EndsALoadWhenNobodyWantsItAnyMore) {
   second_gone = true;
   EXPECT_EQ(first.get().status().code(), absl::StatusCode::kCancelled);
   EXPECT_EQ(second.get().status().code(), absl::StatusCode::kCancelled);
+}
+
+TEST_F(CacheTest, AnswersWhereALoadNeverEnds) {
+  VolumeCache& volumes = cache(kOneVolume);
+  for (const char* name : {"no memory", "lost"}) {
+    loads_ = 0;
+    for (int turn = 1; turn <= 2; ++turn) {
+      EXPECT_EQ(load(volumes, name).status().code(), absl::StatusCode::kInternal) << name;
+      EXPECT_EQ(loads_, turn) << name;
+    }
+  }
 }
 
 TEST_F(CacheTest, TriesAgainAfterAFailure) {
