@@ -97,67 +97,76 @@ absl::StatusOr<GridLease> acquire(GridStore& store,
   return digest.ok() ? store.acquire({space, *digest}) : digest.status();
 }
 
-/// Why a stored file cannot be read: it may not be what was stored.
-absl::Status unreadable(GridStore& store, const GridLease& stored, const absl::Status& why) {
-  const absl::Status intact = verify_stored(stored->path);
-  if (absl::IsDataLoss(intact)) store.set_aside(stored);
-  return intact.ok() ? about_file(why, stored->key.digest, stored->path.string()) : intact;
+/// What looking into a stored file needs. The lease keeps it from being evicted meanwhile.
+struct Inquiry {
+  GridStore& store;
+  FairTasks& disk;
+  DecoderPool& decoders;
+  std::uint64_t resident_bytes = 0;
+  bool values = false;
+  GridLease stored;
+  v1::GridFile& response;
+  std::shared_ptr<PendingAnswer> pending;
+};
+using SharedInquiry = std::shared_ptr<const Inquiry>;
+
+/// Whether it says nothing of the file.
+bool is_of_the_moment(const absl::Status& why) {
+  return absl::IsCancelled(why) || absl::IsUnavailable(why);
 }
 
-absl::Status fill_info(GridStore& store,
-                       const absl::StatusOr<std::vector<GridInfo>>& grids,
-                       const GridLease& stored,
-                       v1::GridFile& response) {
-  if (!grids.ok()) return unreadable(store, stored, grids.status());
-  describe({stored->key.digest, stored->size_bytes, absl::Now()}, response);
-  for (const GridInfo& info : *grids) to_proto(info, *response.add_grids());
-  return absl::OkStatus();
+/// Ends a call about a stored file that cannot be read: it may not be what was stored, which
+/// takes as long to find out as the file is large. Threads of decoders are not for that.
+void tell_unreadable(const SharedInquiry& about, const absl::Status& why) {
+  const std::string path = about->stored->path.string();
+  const absl::Status told = about_file(why, about->stored->key.digest, path);
+  if (is_of_the_moment(why)) return about->pending->finish(told);
+  verify_in_turns({about->disk, about->pending->call().client(),
+                   [pending = about->pending] { return pending->cancelled(); }},
+                  path, [about, told](const absl::Status& intact) {
+                    if (absl::IsDataLoss(intact)) about->store.set_aside(about->stored);
+                    about->pending->finish(intact.ok() ? told : intact);
+                  });
 }
 
-/// Has decoders read the grids' values; the lease keeps the file from being evicted meanwhile.
-void add_values(GridStore& store,
-                DecoderPool& decoders,
-                ContentsOrder order,
-                const GridLease& stored,
-                v1::GridFile& response,
-                const std::shared_ptr<PendingAnswer>& pending) {
+/// Has decoders read the grids' values.
+void add_values(const SharedInquiry& about, ContentsOrder order) {
   read_contents_of(
-      decoders, std::move(order), [pending] { return pending->cancelled(); },
-      [pending, stored, &store,
-       &response](const absl::StatusOr<std::vector<GridContents>>& contents) {
-        pending->finish(guarded("GetGridInfo", [&] {
-          if (!contents.ok()) return unreadable(store, stored, contents.status());
+      about->decoders, std::move(order), [about] { return about->pending->cancelled(); },
+      [about](const absl::StatusOr<std::vector<GridContents>>& contents) {
+        about->pending->finish_unless_ok(guarded("GetGridInfo", [&] {
+          if (!contents.ok()) return tell_unreadable(about, contents.status());
           for (std::size_t i = 0; i < contents->size(); ++i) {
-            to_proto((*contents)[i], *response.mutable_grids(static_cast<int>(i)));
+            to_proto((*contents)[i], *about->response.mutable_grids(static_cast<int>(i)));
           }
-          return absl::OkStatus();
+          about->pending->finish(absl::OkStatus());
         }));
       });
 }
 
-/// Has a decoder look at the file; the lease keeps it from being evicted meanwhile.
-void grid_info(GridStore& store,
-               DecoderPool& decoders,
-               const v1::GetGridInfoRequest& asked,
-               std::uint64_t resident_bytes,
-               v1::GridFile& response,
-               const std::shared_ptr<PendingAnswer>& pending) {
-  const std::string& name = asked.name();
-  const auto lease = acquire(store, pending->call().space(), name);
-  if (!lease.ok()) return pending->finish(lease.status());
-  const FileRequest request{DecodeTask::kGridList, (*lease)->path.string(), name, "",
-                            kInfoBytes};
-  decoders.decode(
-      request, [pending] { return pending->cancelled(); },
-      [request, pending, stored = *lease, &store, &decoders, &response, values = asked.values(),
-       resident_bytes](const absl::StatusOr<SealedBlock>& block) {
-        auto grids = grid_list_of(block, request);
-        const absl::Status listed =
-            guarded("GetGridInfo", [&] { return fill_info(store, grids, stored, response); });
-        if (!listed.ok() || !values) return pending->finish(listed);
-        add_values(store, decoders,
-                   {request.path, request.file_name, *std::move(grids), resident_bytes}, stored,
-                   response, pending);
+/// Takes what a decoder has listed.
+void take_list(const SharedInquiry& about,
+               const FileRequest& request,
+               absl::StatusOr<std::vector<GridInfo>> grids) {
+  if (!grids.ok()) return tell_unreadable(about, grids.status());
+  const StoredGrid& stored = *about->stored;
+  describe({stored.key.digest, stored.size_bytes, absl::Now()}, about->response);
+  for (const GridInfo& info : *grids) to_proto(info, *about->response.add_grids());
+  if (!about->values) return about->pending->finish(absl::OkStatus());
+  add_values(about,
+             {request.path, request.file_name, *std::move(grids), about->resident_bytes});
+}
+
+/// Has a decoder look at the file.
+void grid_info(const SharedInquiry& about) {
+  const FileRequest request{DecodeTask::kGridList, about->stored->path.string(),
+                            name_of_grid(about->stored->key.digest), "", kInfoBytes};
+  about->decoders.decode(
+      request, [about] { return about->pending->cancelled(); },
+      [about, request](const absl::StatusOr<SealedBlock>& block) {
+        about->pending->finish_unless_ok(guarded("GetGridInfo", [&] {
+          take_list(about, request, grid_list_of(block, request));
+        }));
       });
 }
 
@@ -203,8 +212,12 @@ grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* 
                                                    v1::GridFile* response) {
   return answer_later(calls_, disk_, *context, "GetGridInfo",
                       [this, request, response](const std::shared_ptr<PendingAnswer>& pending) {
-                        grid_info(store_, decoders_, *request, resident_bytes_, *response,
-                                  pending);
+                        auto lease =
+                            acquire(store_, pending->call().space(), request->name());
+                        if (!lease.ok()) return pending->finish(lease.status());
+                        grid_info(std::make_shared<const Inquiry>(
+                            Inquiry{store_, disk_, decoders_, resident_bytes_,
+                                    request->values(), *std::move(lease), *response, pending}));
                       });
 }
 

@@ -1,5 +1,6 @@
 #include "server/grids/grid_upload.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
@@ -11,6 +12,7 @@ namespace tet {
 namespace {
 // The disk begins with so much at a time while the rest is still coming.
 constexpr std::uint64_t kFlushBytes = std::uint64_t{16} << 20;
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(GridStore& store,
@@ -19,20 +21,30 @@ absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(GridStore& store,
                                                              File part) {
   std::unique_ptr<GridUpload> upload(
       new GridUpload(store, std::move(key), size_bytes, std::move(part)));
-  const absl::Status status = upload->digest_what_is_there();
+  const absl::Status status = upload->measure_part();
   if (!status.ok()) return status;
   return upload;
 }
 
-absl::Status GridUpload::digest_what_is_there() {
+absl::Status GridUpload::measure_part() {
   const absl::StatusOr<std::uint64_t> size = file_.size();
   if (!size.ok()) return size.status();
   // More than the whole file: whatever announced another size is not to be resumed.
   if (*size > size_bytes_) return file_.truncate(0);
-  std::vector<char> buffer(std::size_t{1} << 20);
-  while (committed_size_ < *size) {
-    const absl::StatusOr<std::size_t> count = file_.read_at(committed_size_, buffer);
+  part_size_ = *size;
+  return absl::OkStatus();
+}
+
+absl::Status GridUpload::digest_part(std::uint64_t most_bytes) {
+  std::vector<char> buffer(kReadBytes);
+  const std::uint64_t end =
+      committed_size_ + std::min(most_bytes, part_size_ - committed_size_);
+  while (committed_size_ < end) {
+    const std::span<char> room =
+        std::span(buffer).first(std::min<std::uint64_t>(kReadBytes, end - committed_size_));
+    const absl::StatusOr<std::size_t> count = file_.read_at(committed_size_, room);
     if (!count.ok()) return count.status();
+    if (*count == 0) part_size_ = committed_size_;  // somebody has cut it
     if (*count == 0) break;
     sha256_.add(std::string_view(buffer.data(), *count));
     committed_size_ += *count;
@@ -40,8 +52,9 @@ absl::Status GridUpload::digest_what_is_there() {
   return absl::OkStatus();
 }
 
+// What was not digested is as good as it was before.
 GridUpload::~GridUpload() {
-  if (!kept_) store_.end_upload(key_, committed_size_);
+  if (!kept_) store_.end_upload(key_, std::max(committed_size_, part_size_));
 }
 
 absl::Status GridUpload::append(std::uint64_t offset, std::string_view bytes) {
@@ -93,7 +106,7 @@ void GridUpload::digest(std::span<const std::string_view> bytes) noexcept {
 absl::Status GridUpload::commit() {
   const std::string found = sha256_.finish_hex();
   if (found != key_.digest) {
-    committed_size_ = 0;  // so that the store throws it away
+    committed_size_ = part_size_ = 0;  // so that the store throws it away
     return with_reason(
         absl::InvalidArgumentError(absl::StrCat("the data's SHA-256 is ", found, ", not ",
                                                 key_.digest, " as announced")),

@@ -22,7 +22,7 @@ namespace tet {
 /// Not thread-safe; the store outlives it.
 class GridUpload {
  public:
-  /// Takes over the part, and digests again what it holds. The store has reserved the place.
+  /// Takes over the part. The store has reserved the place.
   static absl::StatusOr<std::unique_ptr<GridUpload>> open(GridStore& store,
                                                           GridKey key,
                                                           std::uint64_t size_bytes,
@@ -31,6 +31,13 @@ class GridUpload {
   GridUpload(const GridUpload&) = delete;
   GridUpload& operator=(const GridUpload&) = delete;
 
+  /// Digests `most_bytes` more, or all, of what the part held when it was taken over. Before
+  /// more may come, or all of it is to be stored, all of that has to be digested: as long as a
+  /// part of gigabytes takes.
+  absl::Status digest_part(std::uint64_t most_bytes);
+  bool has_digested_part() const noexcept { return committed_size_ >= part_size_; }
+
+  /// What has been digested, and can be gone on from.
   std::uint64_t committed_size() const noexcept { return committed_size_; }
   std::uint64_t size_bytes() const noexcept { return size_bytes_; }
   bool has_all() const noexcept { return committed_size_ == size_bytes_; }
@@ -54,13 +61,14 @@ class GridUpload {
  private:
   GridUpload(GridStore& store, GridKey key, std::uint64_t size_bytes, File file)
       : store_(store), key_(std::move(key)), size_bytes_(size_bytes), file_(std::move(file)) {}
-  absl::Status digest_what_is_there();
+  absl::Status measure_part();
 
   GridStore& store_;
   const GridKey key_;
   const std::uint64_t size_bytes_;
   File file_;
   Sha256 sha256_;
+  std::uint64_t part_size_ = 0;  ///< when it was taken over
   std::uint64_t committed_size_ = 0;
   bool kept_ = false;
 };

@@ -13,6 +13,9 @@ namespace tet {
 
 namespace {
 
+/// What is digested of a part in one turn: others' turns come every few hundredths of a second.
+constexpr std::uint64_t kPartBytesOfTurn = std::uint64_t{16} << 20;
+
 absl::Status out_of_order(const char* message) {
   return with_reason(absl::InvalidArgumentError(message), "MESSAGE_ORDER");
 }
@@ -34,6 +37,7 @@ UploadStream::UploadStream(const Place& place,
     : store_(place.store),
       disk_(place.disk),
       admission_(place.calls.admission()),
+      context_(context),
       call_(place.calls, context, "UploadGrid"),
       ticket_(admission_.admit_upload(call_.client())),
       serialized_response_(response) {}
@@ -84,8 +88,9 @@ void UploadStream::go_on() {
 }
 
 absl::Status UploadStream::take_turn() {
-  absl::Status status = end_piece();
-  if (status.ok() && !response_.complete()) {
+  const bool is_resumed = is_resuming();
+  absl::Status status = is_resumed ? resume() : end_piece();
+  if (status.ok() && !response_.complete() && !is_resumed) {
     // The stream ended, by the client's will or not: what has come is kept either way.
     if (!more_) {
       if (response_.name().empty()) return out_of_order("the stream ended before `start`");
@@ -150,6 +155,15 @@ absl::Status UploadStream::take_start(const v1::UploadStart& start) {
     return absl::OkStatus();
   }
   upload_ = *std::move(upload);
+  return resume();
+}
+
+/// Looks at what is there of the file, or at some of it: then the next turn goes on.
+absl::Status UploadStream::resume() {
+  if (context_.IsCancelled()) return absl::CancelledError("the client has gone");
+  absl::Status status = call_.registry().cut_off();
+  if (status.ok()) status = upload_->digest_part(kPartBytesOfTurn);
+  if (!status.ok() || is_resuming()) return status;
   response_.set_committed_size(static_cast<std::int64_t>(upload_->committed_size()));
   // All bytes may have come before a restart, without the commit.
   return upload_->has_all() ? commit() : absl::OkStatus();
@@ -164,6 +178,7 @@ absl::Status UploadStream::take_piece(UploadPiece piece) {
 
 // Do not touch this call after its last event was awaited: `go_on` may run already.
 void UploadStream::begin_work() {
+  if (is_resuming()) return disk_.post(call_.client(), [self = self_] { self->go_on(); });
   const bool has_piece = piece_.size > 0;
   const bool last =
       has_piece && upload_->committed_size() + piece_.size == upload_->size_bytes();

@@ -25,7 +25,8 @@ namespace v1 = ::tetstream::v1;
 /// next message is read; that one waits until both are done. So there is at most one piece in
 /// work and one on its way, and what decides runs once at a time.
 ///
-/// A client that sends nothing for too long is told so, and what came can be resumed.
+/// A client that sends nothing for too long is told so, and what came can be resumed. Then all
+/// that is there is digested first, a part of it in each turn, as long as the client is there.
 ///
 /// Lives until gRPC is done with it and nobody else looks at it.
 class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public Stallable {
@@ -65,6 +66,8 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   absl::Status end_piece();
   absl::Status take_message();
   absl::Status take_start(const v1::UploadStart& start);
+  bool is_resuming() const { return upload_ != nullptr && !upload_->has_digested_part(); }
+  absl::Status resume();
   absl::Status take_piece(UploadPiece piece);
   void begin_work();
   absl::Status commit();
@@ -73,6 +76,7 @@ class UploadStream final : public grpc::ServerReadReactor<grpc::ByteBuffer>, pub
   GridStore& store_;
   FairTasks& disk_;
   Admission& admission_;
+  grpc::CallbackServerContext& context_;
   Call call_;
   absl::StatusOr<Ticket> ticket_;
   grpc::ByteBuffer& serialized_response_;

@@ -1,3 +1,10 @@
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <string>
+#include <utility>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -154,6 +161,59 @@ TEST_F(GridServiceTest, TellsTheLabelsOfASegmentation) {
   EXPECT_EQ(voxels, static_cast<std::uint64_t>((box.max_x() - box.min_x() + 1) *
                                                (box.max_y() - box.min_y() + 1) *
                                                (box.max_z() - box.min_z() + 1)));
+}
+
+/// Files that are in the store before the server starts, of zeros that take no disk.
+class LargeFilesTest : public ServiceTest {
+ protected:
+  static constexpr std::uint64_t kLarge = std::uint64_t{64} << 30;  // a minute of digesting
+
+  LargeFilesTest() { config_.store_bytes = config_.max_client_upload_bytes = 16 * kLarge; }
+
+  void store(const std::string& path, std::uint64_t size) {
+    const std::filesystem::path file = std::filesystem::path(config_.store) / path;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file).flush();
+    std::filesystem::resize_file(file, size);
+  }
+};
+
+TEST_F(LargeFilesTest, KeepNoDecoderFromOthersWhileTheyAreFoundToBeNone) {
+  const std::string digest = "aa" + std::string(62, '0');
+  store("grids/aa/" + digest, kLarge);
+  config_.decoders = 1;
+  start();
+  grpc::ClientContext context;
+  v1::GetGridInfoRequest about;
+  about.set_name(name_of_grid(digest));
+  v1::GridFile told;
+  std::promise<grpc::Status> asked;
+  grids_->async()->GetGridInfo(&context, &about, &told,
+                               [&](grpc::Status status) { asked.set_value(std::move(status)); });
+  ASSERT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
+  auto answer = asked.get_future();
+  const auto info = client_->grid_info(uniform_ball(8).name(), never_);
+  EXPECT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(answer.wait_for(0s), std::future_status::timeout) << "it was waited for";
+  context.TryCancel();
+  EXPECT_EQ(answer.get().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(eventually([&] { return server_->running_calls() == 0; }));
+}
+
+TEST_F(LargeFilesTest, HoldUpNobodyWhileTheirUploadsAreResumed) {
+  const std::string first(64, 'a'), second(64, 'b');  // one for each of the disk's threads
+  for (const std::string& digest : {first, second}) {
+    store("uploads/" + digest + ".part", kLarge);
+  }
+  start();
+  OpenUpload one(*grids_, name_of_grid(first), kLarge + 1);
+  OpenUpload two(*grids_, name_of_grid(second), kLarge + 1);
+  ASSERT_TRUE(eventually([&] { return server_->running_calls() == 2; }));
+  ASSERT_TRUE(client_->list_grids(never_).ok());
+  EXPECT_GE(server_->running_calls(), 2) << "they were waited for";
+  EXPECT_FALSE(one.cancel().ok());
+  EXPECT_FALSE(two.cancel().ok());
+  EXPECT_TRUE(eventually([&] { return server_->running_calls() == 0; }));
 }
 
 TEST_F(GridServiceTest, RefusesToDescribeWhatIsNotAVdb) {

@@ -77,9 +77,34 @@ TEST_F(StoreTest, ResumesAnUploadAfterARestart) {
   EXPECT_EQ(store->upload_state(key).committed_size, 60U);
   auto upload = store->begin_upload(key, text.size());
   ASSERT_TRUE(upload.ok());
+  ASSERT_TRUE((*upload)->digest_part(1000).ok());
   ASSERT_TRUE((*upload)->append(60, text.substr(60)).ok());
   EXPECT_TRUE((*upload)->commit().ok());
   EXPECT_TRUE(store->upload_state(key).complete);
+}
+
+TEST_F(StoreTest, DigestsAPartALittleAtATimeAndLosesNothingMeanwhile) {
+  const std::string text = content(1);
+  const GridKey key = key_of(text);
+  const auto store = open();
+  {
+    auto upload = store->begin_upload(key, text.size());
+    EXPECT_TRUE((*upload)->has_digested_part());
+    ASSERT_TRUE((*upload)->append(0, text.substr(0, 60)).ok());
+  }
+  {
+    auto upload = store->begin_upload(key, text.size());
+    EXPECT_FALSE((*upload)->has_digested_part());
+    ASSERT_TRUE((*upload)->digest_part(25).ok());
+    EXPECT_EQ((*upload)->committed_size(), 25U);
+    EXPECT_FALSE((*upload)->has_digested_part());
+  }
+  EXPECT_EQ(store->upload_state(key).committed_size, 60U);
+  auto upload = store->begin_upload(key, text.size());
+  while (!(*upload)->has_digested_part()) ASSERT_TRUE((*upload)->digest_part(25).ok());
+  EXPECT_EQ((*upload)->committed_size(), 60U);
+  ASSERT_TRUE((*upload)->append(60, text.substr(60)).ok());
+  EXPECT_TRUE((*upload)->commit().ok());
 }
 
 TEST_F(StoreTest, ThrowsAwayBytesOfAnotherDigest) {

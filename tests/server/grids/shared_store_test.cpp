@@ -107,6 +107,7 @@ TEST_F(SharedStoreTest, GoesOnWithAnUploadThatTheOtherLeft) {
   EXPECT_EQ(other->upload_state(shared_key(text)).committed_size, 60U);
   auto upload = other->begin_upload(shared_key(text), 100);
   ASSERT_TRUE(upload.ok()) << upload.status();
+  ASSERT_TRUE((*upload)->digest_part(100).ok());
   ASSERT_TRUE((*upload)->append(60, text.substr(60)).ok());
   EXPECT_TRUE((*upload)->commit().ok());
   EXPECT_TRUE(has(*one, 1));
@@ -134,6 +135,7 @@ TEST_F(SharedStoreTest, GoesOnWithAnUploadWhoseServerWasKilled) {
   upload_and_be_killed(folder_.path(), text);
   auto upload = store->begin_upload(shared_key(text), 100);
   ASSERT_TRUE(upload.ok()) << upload.status();
+  ASSERT_TRUE((*upload)->digest_part(100).ok());
   EXPECT_EQ((*upload)->committed_size(), 60U);
   ASSERT_TRUE((*upload)->append(60, text.substr(60)).ok());
   EXPECT_TRUE((*upload)->commit().ok());
