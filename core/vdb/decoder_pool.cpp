@@ -65,22 +65,29 @@ DecoderPool::~DecoderPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void DecoderPool::decode(FileRequest request, std::function<bool()> cancelled, Done done) {
+void DecoderPool::decode(const std::string& client,
+                         FileRequest request,
+                         std::function<bool()> cancelled,
+                         Done done) {
   if (closing_) return done(shutting_down());
   const std::lock_guard lock(mutex_);
-  jobs_.push_back({std::move(request), std::move(cancelled), std::move(done)});
+  jobs_.push(client, {client, std::move(request), std::move(cancelled), std::move(done)});
   changed_.notify_one();
 }
 
 /// A decoder ends with the thread that started it, so the thread is as old as the pool.
 void DecoderPool::work() {
-  DecoderSupply supply({settings_.program, settings_.environment},
-                       [this] { return closing_.load(); });
+  DecoderSupply supply({settings_.program, settings_.environment});
   while (true) {
-    supply.prepare();  // before there is anything for it to do
+    // Before there is anything for it to do.
+    supply.prepare([this] { return closing_.load(); });
     const std::optional<Job> job = next_job();
     if (!job) return;
-    contain("a decoder's thread", [&] { job->done(run_contained(*job, supply)); });
+    const auto start = std::chrono::steady_clock::now();
+    contain("a decoder's thread", [&] {
+      job->done(run_contained(*job, supply));
+      charge(*job, std::chrono::steady_clock::now() - start);
+    });
   }
 }
 
@@ -95,16 +102,18 @@ absl::StatusOr<SealedBlock> DecoderPool::run_contained(const Job& job, DecoderSu
 
 std::optional<DecoderPool::Job> DecoderPool::next_job() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return closing_ || !jobs_.empty(); });
-  if (jobs_.empty()) return std::nullopt;
-  Job job = std::move(jobs_.front());
-  jobs_.pop_front();
-  return job;
+  changed_.wait(lock, [&] { return closing_ || jobs_.size() > 0; });
+  return jobs_.take([](const std::string&) { return true; });
+}
+
+void DecoderPool::charge(const Job& job, std::chrono::nanoseconds use) {
+  const std::lock_guard lock(mutex_);
+  jobs_.charge(job.client, use);
 }
 
 absl::StatusOr<SealedBlock> DecoderPool::run(const Job& job, DecoderSupply& supply) {
   const auto cancelled = [&] { return closing_ || (job.cancelled && job.cancelled()); };
-  const auto take = [&] { return supply.take(); };
+  const auto take = [&] { return supply.take(cancelled); };
   absl::StatusOr<SealedBlock> block = absl::CancelledError("cancelled");
   if (!cancelled()) {
     block = decode_request(job.request, settings_.max_time, take, cancelled);

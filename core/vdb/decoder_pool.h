@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -14,6 +13,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/base/fair_queue.h"
 #include "core/vdb/decoder_supply.h"
 #include "core/vdb/file_request.h"
 #include "core/vdb/sealed_block.h"
@@ -42,13 +42,18 @@ class DecoderPool {
   DecoderPool(const DecoderPool&) = delete;
   DecoderPool& operator=(const DecoderPool&) = delete;
 
-  /// Calls `done` on a thread of the pool, which it must not hold up. `cancelled` is polled,
+  /// Calls `done` on a thread of the pool, which it must not hold up. The next decode is of the
+  /// client whose decodes have taken least time in all: see FairQueue. `cancelled` is polled,
   /// and null never cancels. Errors: those of check_request and Decoder::decode; kUnavailable
   /// with DECODER_UNAVAILABLE (no decoder can be started) or SHUTTING_DOWN.
-  void decode(FileRequest request, std::function<bool()> cancelled, Done done);
+  void decode(const std::string& client,
+              FileRequest request,
+              std::function<bool()> cancelled,
+              Done done);
 
  private:
   struct Job {
+    std::string client;
     FileRequest request;
     std::function<bool()> cancelled;
     Done done;
@@ -56,13 +61,14 @@ class DecoderPool {
 
   void work();
   std::optional<Job> next_job();
+  void charge(const Job& job, std::chrono::nanoseconds use);
   absl::StatusOr<SealedBlock> run(const Job& job, DecoderSupply& supply);
   absl::StatusOr<SealedBlock> run_contained(const Job& job, DecoderSupply& supply);
 
   const DecoderSettings settings_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Job> jobs_;
+  FairQueue<Job> jobs_;
   std::atomic<bool> closing_{false};
   std::vector<std::thread> threads_;  // last: they use all of the above
 };

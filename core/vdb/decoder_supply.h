@@ -17,26 +17,26 @@ namespace tet {
 /// copying it one. Not thread-safe: decoders end with the thread that asked for them.
 class DecoderSupply {
  public:
-  /// `cancelled` is polled while a decoder starts; null never cancels.
-  DecoderSupply(DecoderProgram program, std::function<bool()> cancelled)
-      : program_(std::move(program)), cancelled_(std::move(cancelled)) {}
+  /// Polled while a decoder starts.
+  using Cancelled = std::function<bool()>;
+
+  explicit DecoderSupply(DecoderProgram program) : program_(std::move(program)) {}
 
   /// Has a decoder stand ready, where that is possible.
-  void prepare();
+  void prepare(const Cancelled& cancelled);
 
   /// The one that stands ready, or a new one. Errors: kUnavailable; kCancelled.
-  absl::StatusOr<Decoder> take();
+  absl::StatusOr<Decoder> take(const Cancelled& cancelled);
 
   /// The next decoder will be one of a new start: a file that made one crash must not learn
   /// from it where things are in the memory of the next.
   void start_anew();
 
  private:
-  absl::Status start();
-  absl::StatusOr<Decoder> make();
+  absl::Status start(const Cancelled& cancelled);
+  absl::StatusOr<Decoder> make(const Cancelled& cancelled);
 
   const DecoderProgram program_;
-  const std::function<bool()> cancelled_;
   std::optional<Decoder> original_, ready_;
 };
 

@@ -154,7 +154,8 @@ void take_list(const SharedInquiry& about,
   for (const GridInfo& info : *grids) to_proto(info, *about->response.add_grids());
   if (!about->values) return about->pending->finish(absl::OkStatus());
   add_values(about,
-             {request.path, request.file_name, *std::move(grids), about->resident_bytes});
+             {about->pending->call().client(), request.path, request.file_name,
+              *std::move(grids), about->resident_bytes});
 }
 
 /// Has a decoder look at the file.
@@ -162,7 +163,7 @@ void grid_info(const SharedInquiry& about) {
   const FileRequest request{DecodeTask::kGridList, about->stored->path.string(),
                             name_of_grid(about->stored->key.digest), "", kInfoBytes};
   about->decoders.decode(
-      request, [about] { return about->pending->cancelled(); },
+      about->pending->call().client(), request, [about] { return about->pending->cancelled(); },
       [about, request](const absl::StatusOr<SealedBlock>& block) {
         about->pending->finish_unless_ok(guarded("GetGridInfo", [&] {
           take_list(about, request, grid_list_of(block, request));

@@ -62,7 +62,7 @@ class ContentsReader : public std::enable_shared_from_this<ContentsReader> {
     const FileRequest request{task, order_.path, order_.file_name, order_.grids[grid_].name,
                               order_.max_bytes};
     decoders_.decode(
-        request, cancelled_,
+        order_.client, request, cancelled_,
         [self = shared_from_this(), request, then](const absl::StatusOr<SealedBlock>& block) {
           const absl::Status status = guarded("reading a grid's values", [&] {
             then(contents_of(block, request));

@@ -15,6 +15,7 @@ namespace tet {
 
 /// A file and those of its grids that are wanted.
 struct ContentsOrder {
+  std::string client;  ///< in whose turns
   std::string path;
   std::string file_name;  ///< what messages call it
   std::vector<GridInfo> grids;

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "core/base/fair_queue.h"
 #include "core/base/parallel.h"
 #include "server/rpc/client_use.h"
-#include "server/rpc/fair_queue.h"
 
 namespace tet {
 

@@ -64,7 +64,7 @@ void begin(LargePlans& loads,
     return verify_stored(loading->request.path, loading->abandoned);
   });
   if (!intact.ok()) return loading->done(intact);
-  decoders.decode(loading->request, loading->abandoned,
+  decoders.decode(loading->client, loading->request, loading->abandoned,
                   [&loads, loading](absl::StatusOr<SealedBlock> decoded) {
                     finish(loads, loading, std::move(decoded));
                   });

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/rpc/fair_queue.h"
+#include "core/base/fair_queue.h"
 
 namespace tet {
 

@@ -15,7 +15,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "server/rpc/fair_queue.h"
+#include "core/base/fair_queue.h"
 
 namespace tet {
 

@@ -5,9 +5,9 @@
 #include <mutex>
 #include <string>
 
+#include "core/base/fair_queue.h"
 #include "core/base/parallel.h"
 #include "server/rpc/client_use.h"
-#include "server/rpc/fair_queue.h"
 
 namespace tet {
 

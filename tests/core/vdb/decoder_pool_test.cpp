@@ -43,9 +43,10 @@ class DecoderPoolTest : public test::DecodeTest {
 
   static std::future<absl::Status> ask(DecoderPool& pool,
                                        const FileRequest& request,
-                                       std::function<bool()> cancelled = nullptr) {
+                                       std::function<bool()> cancelled = nullptr,
+                                       const std::string& client = "client") {
     auto promise = std::make_shared<std::promise<absl::Status>>();
-    pool.decode(request, std::move(cancelled),
+    pool.decode(client, request, std::move(cancelled),
                 [promise, request](const absl::StatusOr<SealedBlock>& block) {
                   promise->set_value(volume_of(block, request).status());
                 });
@@ -124,6 +125,45 @@ TEST_F(DecoderPoolTest, ForgetsRequestsThatNobodyWantsAnyMore) {
   cancelled = true;
   EXPECT_TRUE(absl::IsCancelled(hanging.get()));
   EXPECT_TRUE(absl::IsCancelled(queued.get()));
+}
+
+TEST_F(DecoderPoolTest, LetsNobodyWaitForAllOfAnothersFiles) {
+  const std::string program = hostile("decode_but_for");
+  DecoderPool pool(settings(program, 1));
+  std::atomic<bool> held{true};
+  auto hanging = ask(pool, request("hang"), [&] { return !held; }, "greedy");
+  ASSERT_NE(test::hanging_decoder(program), 0);  // so that all others wait
+  std::vector<std::string> order;                // the pool's only thread adds to it
+  std::vector<std::future<absl::Status>> answers;
+  const auto note = [&](const std::string& client) {
+    auto promise = std::make_shared<std::promise<absl::Status>>();
+    answers.push_back(promise->get_future());
+    pool.decode(client, request(), nullptr,
+                [&order, client, promise](const absl::StatusOr<SealedBlock>& block) {
+                  order.push_back(client);
+                  promise->set_value(block.status());
+                });
+  };
+  for (int i = 0; i < 5; ++i) note("greedy");
+  note("modest");
+  held = false;
+  EXPECT_TRUE(absl::IsCancelled(hanging.get()));
+  for (auto& answer : answers) EXPECT_TRUE(answer.get().ok());
+  EXPECT_EQ(order.front(), "modest");
+}
+
+// A machine on which no decoder starts must not hold a thread for those who have gone.
+TEST_F(DecoderPoolTest, AwaitsNoDecoderForWhoeverHasGone) {
+  // The program, which never becomes ready, is there when the request is looked at.
+  DecoderPool pool(settings(directory_.file("decoder.asleep"), 1));
+  std::atomic<int> looks{0};
+  const auto cancelled = [&] {
+    constexpr int kPatience = 3;
+    if (++looks == 1) hostile("asleep");
+    return looks > kPatience;
+  };
+  const absl::Status status = ask(pool, request(), cancelled).get();
+  EXPECT_TRUE(absl::IsCancelled(status)) << status;
 }
 
 TEST_F(DecoderPoolTest, EndsAtOnceWhateverRuns) {

@@ -32,9 +32,9 @@ class PoisonTest : public test::DecodeTest {
   std::string decode(const std::string& poison) {
     DecoderSupply& supply =
         supplies_
-            .try_emplace(poison, DecoderProgram{"", {"MALLOC_PERTURB_=" + poison}}, nullptr)
+            .try_emplace(poison, DecoderProgram{"", {"MALLOC_PERTURB_=" + poison}})
             .first->second;
-    absl::StatusOr<Decoder> decoder = supply.take();
+    absl::StatusOr<Decoder> decoder = supply.take(nullptr);
     if (!decoder.ok() || !decoder->wait_until_ready(nullptr).ok()) return "not started";
     const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
     DecodeOrder order;

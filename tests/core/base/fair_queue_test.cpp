@@ -1,4 +1,4 @@
-#include "server/rpc/fair_queue.h"
+#include "core/base/fair_queue.h"
 
 #include <gtest/gtest.h>
 
