@@ -67,6 +67,8 @@ absl::StatusOr<File> GridStore::reserve(const GridKey& key,
       look_before(key);
       if (auto status = check_upload(key, size_bytes, by); !status.ok()) return status;
       if (auto disk = check_disk(key, size_bytes, used_bytes()); !disk.ok()) return disk;
+      const std::size_t files = grids_.by_key().size() + parts_.size();
+      if (auto inodes = check_inodes(files); !inodes.ok()) return inodes;
       if (fits(key, size_bytes)) return take_place(*turn, key, size_bytes, by);
       evictable = idle_grids(size_bytes, needed);
     }
@@ -84,6 +86,7 @@ absl::StatusOr<File> GridStore::reserve(const GridKey& key,
     if (!asked.ok()) return asked;
     if (!evictable.all) continue;
     if (auto disk = check_disk(key, size_bytes, 0); !disk.ok()) return disk;
+    if (auto inodes = check_inodes(0); !inodes.ok()) return inodes;
     if (needed.empty()) return no_room(size_bytes, budget_bytes_, "other calls", "STORE_BUSY");
     return no_room(size_bytes, budget_bytes_, "other calls and jobs that are not finished",
                    "STORE_HELD_BY_JOBS");
@@ -106,19 +109,34 @@ absl::Status GridStore::check_upload(const GridKey& key,
 absl::Status GridStore::check_quota(const GridKey& key,
                                     std::uint64_t size_bytes,
                                     const Uploader& by) const {
-  std::uint64_t bytes = size_bytes;
+  std::uint64_t bytes = size_bytes, files = 1;
   for (const auto& [part_key, part] : parts_) {
-    if (part.sender == by.name && part_key != key) bytes += part.size_bytes;
+    if (part.sender != by.name || part_key == key) continue;
+    bytes += part.size_bytes;
+    ++files;
   }
-  if (bytes <= by.max_bytes) return absl::OkStatus();
-  return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
+  if (bytes > by.max_bytes) {
+    return over_quota(by.name, "bytes of unfinished uploads", bytes, by.max_bytes);
+  }
+  if (files <= by.max_files) return absl::OkStatus();
+  return over_quota(by.name, "unfinished uploads", files, by.max_files);
 }
 
 bool GridStore::fits(const GridKey& key, std::uint64_t size_bytes) const {
   const auto found = parts_.find(key);
   const std::uint64_t held = found == parts_.end() ? 0 : found->second.size_bytes;
-  return used_bytes() - held + size_bytes <= budget_bytes_ &&
-         check_disk(key, size_bytes, 0).ok();
+  const std::size_t others = grids_.by_key().size() + parts_.size() - parts_.count(key);
+  return used_bytes() - held + size_bytes <= budget_bytes_ && others < most_files_ &&
+         check_inodes(0).ok() && check_disk(key, size_bytes, 0).ok();
+}
+
+/// Whether the disk takes another file, if `evictable_files` went: it may run out of them long
+/// before it is full. A disk that does not tell does.
+absl::Status GridStore::check_inodes(std::size_t evictable_files) const {
+  const auto free = free_disk_files(root_);
+  if (!free || *free + evictable_files > 0) return absl::OkStatus();
+  return with_reason(absl::ResourceExhaustedError("no room on the disk for another file"),
+                     "DISK_FULL");
 }
 
 /// Whether the disk has room for what is still to come of this upload and of all that are under

@@ -44,7 +44,12 @@ struct ListedGrid {
 struct Uploader {
   std::string name;
   std::uint64_t max_bytes = ~std::uint64_t{0};
+  std::size_t max_files = 10'000;
 };
+
+/// Files of a store, whole or not: each takes an inode, a block of the disk and some 600 bytes
+/// of memory, however small it is, of which the budget in bytes knows nothing.
+inline constexpr std::size_t kMostStoredFiles = 1'000'000;
 
 /// What a store holds, and what went since it was opened.
 struct StoreStats {
@@ -108,6 +113,10 @@ class GridStore {
   /// evicted but uploads, and an upload that finds no room fails with its error.
   using Needed = std::function<absl::StatusOr<std::set<GridKey>>()>;
   void ask_before_evicting(Needed needed);
+
+  /// Holds no more files than that, kMostStoredFiles unless it is called: to be set before
+  /// uploads come.
+  void limit_files(std::size_t most) { most_files_ = most; }
 
   /// Moves a file that was found damaged to `corrupt/`, out of the way of the next upload of
   /// it.
@@ -204,6 +213,7 @@ class GridStore {
                             std::uint64_t size_bytes,
                             const Uploader& by) const;
   bool fits(const GridKey& key, std::uint64_t size_bytes) const;
+  absl::Status check_inodes(std::size_t evictable_files) const;
   absl::Status check_disk(const GridKey& key,
                           std::uint64_t size_bytes,
                           std::uint64_t evictable_bytes) const;
@@ -228,6 +238,7 @@ class GridStore {
   const std::optional<StoreLock>
       lock_;  ///< none beside a server, which comes and goes with files
   const std::uint64_t budget_bytes_, keep_free_bytes_;
+  std::size_t most_files_ = kMostStoredFiles;
   Needed needed_;
   std::mutex turn_mutex_;     ///< before `mutex_`, as is the journal's lock
   GridChanges changes_;       ///< whoever has the turn

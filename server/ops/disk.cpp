@@ -74,6 +74,15 @@ std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& folder
   return std::uint64_t{disk->f_bavail} * disk->f_frsize;
 }
 
+std::optional<std::uint64_t> free_disk_files(const std::filesystem::path& folder) {
+  constexpr std::uint64_t kKept = 1000;
+  constexpr std::uint64_t kKeptPart = 16;  // of a small disk's
+  const auto disk = disk_of(folder);
+  if (!disk || disk->f_files == 0) return std::nullopt;
+  const std::uint64_t free = disk->f_favail;
+  return free - std::min(free, std::min<std::uint64_t>(kKept, disk->f_files / kKeptPart));
+}
+
 // What only root may use is no part of it.
 std::optional<std::uint64_t> whole_disk_bytes(const std::filesystem::path& folder) {
   const auto disk = disk_of(folder);

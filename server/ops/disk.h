@@ -36,6 +36,10 @@ absl::Status sync_folder(const std::filesystem::path& path);
 /// folder that is not there yet is the one above it.
 std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& folder);
 
+/// How many more files that file system takes, beside a few that are left for the jobs; nothing
+/// if it cannot be told, or has no limit.
+std::optional<std::uint64_t> free_disk_files(const std::filesystem::path& folder);
+
 /// What that file system has for this user in all; nothing if it cannot be told.
 std::optional<std::uint64_t> whole_disk_bytes(const std::filesystem::path& folder);
 

@@ -228,6 +228,41 @@ TEST_F(StoreTest, RefusesMoreThanItsBudgetWithBothNumbers) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("100 is over the limit of 99"));
 }
 
+TEST_F(StoreTest, EvictsForAnotherFileHoweverSmallAllAre) {
+  const auto store = open(std::uint64_t{1} << 30);
+  store->limit_files(3);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(put(*store, content(i)).ok());
+  {
+    auto part = store->begin_upload(key_of(content(3)), 100);
+    ASSERT_TRUE(part.ok()) << part.status();
+    ASSERT_TRUE((*part)->append(0, content(3).substr(0, 1)).ok());
+  }
+  EXPECT_FALSE(store->touch(key_of(content(0))));
+  {
+    auto resumed = store->begin_upload(key_of(content(3)), 100);
+    ASSERT_TRUE(resumed.ok()) << "its part is no other file: " << resumed.status();
+    ASSERT_TRUE((*resumed)->digest_part(100).ok());
+    ASSERT_TRUE((*resumed)->append(1, content(3).substr(1)).ok());
+    ASSERT_TRUE((*resumed)->commit().ok());
+  }
+  EXPECT_TRUE(store->touch(key_of(content(1))));
+  EXPECT_EQ(store->stats().files, 3U);
+}
+
+TEST_F(StoreTest, LimitsHowManyUnfinishedFilesAreOfOneClient) {
+  const auto store = open();
+  const Uploader alice{"alice", 1000, 2};
+  for (int i = 0; i < 2; ++i) {
+    auto part = store->begin_upload(key_of(content(i)), 100, alice);
+    ASSERT_TRUE(part.ok()) << part.status();
+    ASSERT_TRUE((*part)->append(0, content(i).substr(0, 1)).ok());
+  }
+  EXPECT_TRUE(store->begin_upload(key_of(content(1)), 100, alice).ok()) << "one of the two";
+  EXPECT_EQ(reason_of(store->begin_upload(key_of(content(2)), 100, alice).status()),
+            "QUOTA_EXCEEDED");
+  EXPECT_TRUE(store->begin_upload(key_of(content(2)), 100, {"bob", 1000, 2}).ok());
+}
+
 // A limit on the file's size stands for the disk's end: both fail in the middle of a write.
 TEST_F(StoreTest, KeepsWholePiecesWhenTheDiskIsFull) {
   const auto store = open();
