@@ -80,6 +80,12 @@ class Systemd(DeployTest):
             store = re.search(r"^Environment=TETSTREAM_STORE=(\S+)$", unit.read_text(), re.MULTILINE)
             self.assertIn(f"\nRequiresMountsFor={store[1]}\n", unit.read_text())
 
+    def test_a_start_that_fails_for_a_minute_is_tried_again(self):
+        for unit in self.units.glob("*.service"):
+            head, service = unit.read_text().split("[Service]")
+            self.assertIn("\nStartLimitIntervalSec=0\n", head, unit.name)
+            self.assertRegex(service, r"\nRestart=on-failure\nRestartSec=\d+\n", unit.name)
+
     def test_the_user_is_the_containers(self):
         number = re.search(r"useradd --uid (\d+)",
                            (ROOT / "docker" / "server.Dockerfile").read_text())[1]
