@@ -99,8 +99,9 @@ absl::Status does_not_fit(const Config& config) {
   return absl::InvalidArgumentError(
       absl::StrCat("the budgets add up to ", sum_of(config), " bytes, and memory is ",
                    config.memory, ": ", shares,
-                   ". Set a larger memory, or smaller budgets (resident_bytes, plan_bytes, "
-                   "send_bytes, receive_bytes)"));
+                   ". Set a larger memory, smaller budgets (resident_bytes, plan_bytes, "
+                   "send_bytes, receive_bytes), or fewer threads than ",
+                   threads_of(config), ", each of which counts in memory of its own"));
 }
 
 }  // namespace

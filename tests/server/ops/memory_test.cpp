@@ -57,6 +57,13 @@ TEST(Memory, RefusesASumThatCannotFitAndNamesItsParts) {
             HasSubstr("8192 MiB for counted meshes (plan_bytes)")));
 }
 
+TEST(Memory, TellsThatItIsTheThreadsWhichDoNotFit) {
+  Config config;
+  config.threads = 128;  // of a large machine, whose control group has 4 GiB
+  EXPECT_THAT(std::string(divide_memory(config, 4 * kGiB).message()),
+              HasSubstr("or fewer threads than 128"));
+}
+
 TEST(Memory, RefusesLessThanAServerTakesAndMoreThanThereIs) {
   Config small, large;
   EXPECT_FALSE(divide_memory(small, kGiB / 4).ok());
