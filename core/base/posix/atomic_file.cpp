@@ -1,5 +1,6 @@
 #include "core/base/posix/atomic_file.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <random>
 #include <system_error>
@@ -15,13 +16,18 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Beside `path`, and short: a name may be as long as the file system allows. No two writers,
-/// on whatever host, choose the same one.
+/// on whatever host, are likely to choose the same one, a process and its copy neither: each
+/// name is the system's own chance.
 fs::path temporary_name(const fs::path& path, const AtomicFileStyle& style) {
-  thread_local std::mt19937_64 random{std::random_device{}()};
+  std::random_device random;
   return path.parent_path() / absl::StrCat(std::string(style.prefix),
-                                           absl::Hex(random(), absl::kZeroPad16),
+                                           absl::Hex(random(), absl::kZeroPad8),
+                                           absl::Hex(random(), absl::kZeroPad8),
                                            std::string(style.ending));
 }
+
+/// Names that are tried, where others have taken them by chance.
+constexpr int kMostNames = 10;
 
 }  // namespace
 
@@ -50,8 +56,13 @@ absl::StatusOr<AtomicFile> AtomicFile::create(const std::string& path) {
 
 absl::StatusOr<AtomicFile> AtomicFile::create_at(const fs::path& path,
                                                  const AtomicFileStyle& style) {
-  fs::path temporary = temporary_name(path, style);
-  Descriptor descriptor = open_descriptor(temporary, O_RDWR | O_CREAT | O_EXCL, style.mode);
+  fs::path temporary;
+  Descriptor descriptor;
+  for (int name = 0; name < kMostNames && !descriptor.is_open(); ++name) {
+    temporary = temporary_name(path, style);
+    descriptor = open_descriptor(temporary, O_RDWR | O_CREAT | O_EXCL, style.mode);
+    if (!descriptor.is_open() && errno != EEXIST) break;
+  }
   if (!descriptor.is_open()) return style.tell("create", path);
   // What goes wrong is told of the file that is wanted.
   File file(std::move(descriptor), path, style.tell);
@@ -138,7 +149,9 @@ absl::Status commit_together(AtomicFile& body, AtomicFile& index) {
   SetAside old_body(body_path);
   if (absl::Status status = body.commit(); !status.ok()) return status;
   if (absl::Status status = index.commit(); !status.ok()) {
-    // A body that nothing leads to is half a result; an old one takes its place.
+    // A body that nothing leads to is half a result, and so is an index that has its name and
+    // may lose it in a power cut. Old ones take their places.
+    if (index.has_its_name()) ::unlink(index.path().c_str());
     ::unlink(body_path.c_str());
     return status;
   }

@@ -65,6 +65,9 @@ class AtomicFile {
   /// wrong by then, though the file has no name yet. `commit` does it unless it is done.
   absl::Status seal();
 
+  /// Whether it was renamed, though what came after that may have failed.
+  bool has_its_name() const noexcept { return temporary_path_.empty(); }
+
   /// What the file will be called.
   const std::filesystem::path& path() const noexcept { return path_; }
 

@@ -40,8 +40,13 @@ class FolderTurn {
   const Descriptor& folder_;
 };
 
-/// Whether nobody listens on a socket file: only then does the system refuse a connection.
-bool is_abandoned(const std::string& path) {
+/// Whether nobody listens on a socket file: only then does the system refuse a connection. The
+/// file is connected to by its number, as an address has room for a short path only and a name
+/// may be as long as that alone.
+bool is_abandoned(const Descriptor& folder, const std::string& name) {
+  const Descriptor file = open_descriptor_in(folder, name, O_PATH | O_NOFOLLOW);
+  if (!file.is_open()) return false;
+  const std::string path = absl::StrCat("/proc/self/fd/", file.number());
   const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -122,7 +127,7 @@ absl::Status SocketFile::make_way() const {
     return absl::FailedPreconditionError(
         absl::StrCat(path_, " is there and is no socket: take another path, or remove it"));
   }
-  if (is_abandoned(way_through(folder_, name_))) return absl::OkStatus();
+  if (is_abandoned(folder_, name_)) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat("somebody listens on ", path_,
                                              " already, or it cannot be told whether: take "
                                              "another path, or end that process"));

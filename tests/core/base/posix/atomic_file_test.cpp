@@ -3,7 +3,10 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -140,6 +143,23 @@ TEST_F(AtomicFileTest, IsCalledAsItsOwnerLikesUntilItIsWhole) {
   ASSERT_TRUE(file->commit_unsynced().ok());
   ASSERT_TRUE(sync_folder(folder_, io_error).ok());
   EXPECT_EQ(contents(path("out")), "text");
+}
+
+TEST_F(AtomicFileTest, HasANameOfItsOwnBesideThatOfACopyOfTheProcess) {
+  ASSERT_TRUE(AtomicFile::create(path("out")).ok());  // whatever is remembered from now on
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const absl::StatusOr<AtomicFile> file = AtomicFile::create(path("out"));
+    ::_exit(file.ok() ? 0 : 1);  // and leaves it there
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  const std::vector<std::string> of_child = names();
+  const absl::StatusOr<AtomicFile> file = AtomicFile::create(path("out"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  EXPECT_EQ(of_child.size(), 1U);
+  EXPECT_NE(file->temporary_path().filename(), of_child.front());
 }
 
 TEST_F(AtomicFileTest, MayBeMoved) {

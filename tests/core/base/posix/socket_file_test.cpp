@@ -97,6 +97,19 @@ TEST_F(SocketFileTest, ReplacesAFileThatNobodyListensOn) {
   EXPECT_TRUE(connects(path_));
 }
 
+TEST_F(SocketFileTest, TellsOfALongNameWhetherAnybodyListensThere) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.file(""));
+  const std::string name(100, 'n');
+  {
+    const Descriptor other = listener_at(name);
+    EXPECT_TRUE(absl::IsUnavailable(SocketFile::prepare(name).status()));
+  }
+  const absl::Status abandoned = SocketFile::prepare(name).status();
+  EXPECT_EQ(abandoned, absl::OkStatus());
+  std::filesystem::current_path(before);
+}
+
 TEST_F(SocketFileTest, LeavesASocketThatSomebodyListensOn) {
   for (const int type : {SOCK_STREAM, SOCK_SEQPACKET}) {
     std::filesystem::remove(path_);
