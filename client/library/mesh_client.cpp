@@ -141,7 +141,7 @@ absl::StatusOr<StreamedMesh> receive_stream_mesh(Connection& connection,
                                                  const ClientProgress& progress,
                                                  const Cancellation& cancellation) {
   const PooledSharedChunks shared(connection.shared_chunks());
-  receiver.use_shared(*shared);
+  receiver.use_shared(*shared, cancellation);
   const auto request = [&](const MeshReceiver& so_far) {
     message.set_start_chunk(static_cast<std::int64_t>(so_far.next_chunk()));
     message.set_expected_mesh_id(so_far.mesh_id());

@@ -53,7 +53,9 @@ class MeshReceiver {
                                 : StreamReader::Base::kNamed) {}
 
   /// See StreamReader.
-  void use_shared(SharedChunks& shared) noexcept { reader_.use_shared(shared); }
+  void use_shared(SharedChunks& shared, const Cancellation& cancellation) noexcept {
+    reader_.use_shared(shared, cancellation);
+  }
 
   /// Errors: kDataLoss (saying what does not fit), kUnavailable (see StreamReader),
   /// kResourceExhausted (no memory for the mesh).

@@ -134,7 +134,7 @@ absl::Status RemeshSession::patch() {
 /// Until the mesh is whole, or its frame refused.
 template <class Receiver>
 absl::Status RemeshSession::receive(Receiver& receiver) {
-  receiver.use_shared(*shared_);
+  receiver.use_shared(*shared_, cancellation_);
   while (!receiver.complete() && receiver.refusal().ok()) {
     grpc::ByteBuffer event;
     const bool beside =

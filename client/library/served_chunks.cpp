@@ -20,7 +20,7 @@ ServedChunks::ServedChunks(std::shared_ptr<Connection> connection,
       progress_(std::move(progress)),
       cancellation_(cancellation),
       events_(*connection_, call(), cancellation) {
-  reader_.use_shared(*shared_);
+  reader_.use_shared(*shared_, cancellation_);
 }
 
 StreamCall ServedChunks::call() {

@@ -83,7 +83,8 @@ bool SharedChunks::connect(const std::string& grpc_path, const Cancellation& can
   return !refused_;
 }
 
-absl::Status SharedChunks::open(const v1::SharedMemory& told) {
+absl::Status SharedChunks::open(const v1::SharedMemory& told,
+                                const Cancellation& cancellation) {
   open_ = false;
   if (!side_.is_open()) return bad_stream("it tells of shared memory that nobody asked for");
   refused_ = true;  // unless it works
@@ -94,7 +95,14 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told) {
   const auto bytes = static_cast<std::size_t>(told.blocks() * told.block_bytes());
   SideMessage size{};
   Descriptor file;
-  if (!await_packet(side_, size, kPatience, file) || side_number(size) != bytes) {
+  const bool came = await_packet(side_, size, patience(cancellation), file,
+                                 cancellation.descriptor());
+  if (!came && cancellation.requested()) {
+    refused_ = false;  // it would have worked, for all we know
+    side_ = Descriptor();
+    return check_cancelled(cancellation);
+  }
+  if (!came || side_number(size) != bytes) {
     return absl::UnavailableError("the server did not hand over its shared memory");
   }
   if (!memory_ || !memory_->is_of(file, bytes)) {

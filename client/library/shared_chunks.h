@@ -54,8 +54,8 @@ class SharedChunks {
   }
 
   /// Maps the memory that a header tells of. Errors: kUnavailable (it cannot be used: the next
-  /// stream goes without), kDataLoss (nobody has asked for it).
-  absl::Status open(const v1::SharedMemory& told);
+  /// stream goes without), kDataLoss (nobody has asked for it), kCancelled, kDeadlineExceeded.
+  absl::Status open(const v1::SharedMemory& told, const Cancellation& cancellation);
   bool is_open() const noexcept { return open_; }
   /// Whether memory is mapped, whether or not a stream uses it.
   bool holds_memory() const noexcept { return memory_.has_value(); }

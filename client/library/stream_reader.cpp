@@ -108,8 +108,8 @@ absl::Status StreamReader::take_header(const v1::MeshHeader& header) {
   if (header.has_shared_memory()) {
     if (shared_ == nullptr)
       return bad_stream("it tells of shared memory that nobody asked for");
-    if (absl::Status status = shared_->open(header.shared_memory()); !status.ok())
-      return status;
+    const absl::Status opened = shared_->open(header.shared_memory(), *cancellation_);
+    if (!opened.ok()) return opened;
   }
   if (has_header_) return resume(header);
   if (absl::Status status = begin(header, *checked); !status.ok()) return status;

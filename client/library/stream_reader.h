@@ -37,8 +37,12 @@ class StreamReader {
   /// `consumer` outlives this, and lies still.
   StreamReader(ChunkConsumer& consumer, Base base) : consumer_(&consumer), base_(base) {}
 
-  /// Takes chunks from shared memory, too, which outlives this.
-  void use_shared(SharedChunks& shared) noexcept { shared_ = &shared; }
+  /// Takes chunks from shared memory, too, and waits until `cancellation` at most for it to be
+  /// handed over. Both outlive this.
+  void use_shared(SharedChunks& shared, const Cancellation& cancellation) noexcept {
+    shared_ = &shared;
+    cancellation_ = &cancellation;
+  }
 
   /// Errors: kDataLoss (saying what does not fit), kUnavailable (the next attempt begins with
   /// chunk 0), those of the consumer.
@@ -103,6 +107,7 @@ class StreamReader {
 
   ChunkConsumer* consumer_;
   SharedChunks* shared_ = nullptr;  ///< null: none is asked for
+  const Cancellation* cancellation_ = nullptr;  ///< null with it
   Base base_;
   StreamedMesh told_;
   KeptParts kept_;                          ///< of the base

@@ -59,7 +59,7 @@ class SharedChunksTest : public testing::Test {
     v1::SharedMemory message = told(kBlock, blocks);
     message.set_events(true);
     ASSERT_TRUE(hand_over(memory.descriptor(), static_cast<std::uint64_t>(kBlock * blocks)));
-    ASSERT_EQ(chunks_.open(message), absl::OkStatus());
+    ASSERT_EQ(chunks_.open(message, never_), absl::OkStatus());
   }
 
   /// Whether an event comes here, which is `bytes`.
@@ -92,7 +92,7 @@ class SharedChunksTest : public testing::Test {
 TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {
   meet();
   ASSERT_TRUE(hand_over(memory_.descriptor()));
-  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  ASSERT_EQ(chunks_.open(told(), never_), absl::OkStatus());
   std::array<std::byte, 12> positions{};
   std::array<std::byte, 100> tets{};
   ChunkColumns to{};
@@ -138,7 +138,7 @@ TEST_F(SharedChunksTest, AsksForEventsWhereverItAsksForMemory) {
 TEST_F(SharedChunksTest, CopiesNothingFromBeyondTheMemory) {
   meet();
   ASSERT_TRUE(hand_over(memory_.descriptor()));
-  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  ASSERT_EQ(chunks_.open(told(), never_), absl::OkStatus());
   std::vector<std::byte> positions(static_cast<std::size_t>(kBlock));
   ChunkColumns to{};
   to.positions = positions;
@@ -159,7 +159,7 @@ TEST_F(SharedChunksTest, TakesNoMemoryThatMayBecomeShorterOrIsNot) {
     accepted_ = Descriptor();
     meet();
     ASSERT_TRUE(hand_over(*memory));
-    EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
+    EXPECT_EQ(chunks_.open(told(), never_).code(), absl::StatusCode::kUnavailable);
     EXPECT_FALSE(chunks_.is_open());
     EXPECT_EQ(chunks_.begin(path_, never_), "");  // not again
   }
@@ -168,12 +168,28 @@ TEST_F(SharedChunksTest, TakesNoMemoryThatMayBecomeShorterOrIsNot) {
 TEST_F(SharedChunksTest, WantsTheMemoryThatTheHeaderTellsOf) {
   meet();
   ASSERT_TRUE(hand_over(memory_.descriptor(), kBlock));
-  EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(chunks_.open(told(), never_).code(), absl::StatusCode::kUnavailable);
   chunks_ = SharedChunks();
   accepted_ = Descriptor();
   meet();
   ASSERT_TRUE(hand_over(Descriptor()));  // no file
-  EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(chunks_.open(told(), never_).code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_F(SharedChunksTest, WaitsForNoMemoryOnceItIsCancelled) {
+  meet();
+  const Cancellation past(Cancellation::Clock::now());
+  EXPECT_EQ(chunks_.open(told(), past).code(), absl::StatusCode::kDeadlineExceeded);
+  accepted_ = Descriptor();
+  meet();
+  Cancellation cancellation;
+  std::thread leaving([&] { cancellation.cancel(); });
+  EXPECT_EQ(chunks_.open(told(), cancellation).code(), absl::StatusCode::kCancelled);
+  leaving.join();
+  accepted_ = Descriptor();
+  meet();  // and works for the next call
+  ASSERT_TRUE(hand_over(memory_.descriptor()));
+  EXPECT_EQ(chunks_.open(told(), never_), absl::OkStatus());
 }
 
 TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
@@ -186,7 +202,7 @@ TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
     chunks_ = SharedChunks();
     accepted_ = Descriptor();
     meet();
-    EXPECT_EQ(chunks_.open(told(block_bytes, blocks)).code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(chunks_.open(told(block_bytes, blocks), never_).code(), absl::StatusCode::kDataLoss);
   }
 }
 
@@ -200,7 +216,7 @@ TEST_F(SharedChunksTest, ServesTheNextStreamOnceItHasRested) {
   };
   for (int stream = 0; stream < 3; ++stream) {
     ASSERT_TRUE(hand_over(memory_.descriptor()));
-    ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+    ASSERT_EQ(chunks_.open(told(), never_), absl::OkStatus());
     EXPECT_TRUE(copies());
     chunks_.rest();
     EXPECT_FALSE(chunks_.is_open() || copies());  // until a header tells of it
@@ -211,7 +227,7 @@ TEST_F(SharedChunksTest, ServesTheNextStreamOnceItHasRested) {
   const SealedMemory other = *SealedMemory::make(kBlock * kBlocks);
   other.bytes()[0] = std::byte{7};
   ASSERT_TRUE(hand_over(other.descriptor()));
-  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  ASSERT_EQ(chunks_.open(told(), never_), absl::OkStatus());
   std::array<std::byte, 12> positions{};
   ChunkColumns to{};
   to.positions = positions;
@@ -237,7 +253,7 @@ TEST_F(SharedChunksTest, HoldsNothingBetweenStreamsThatNobodyElseCanFree) {
     accepted_ = Descriptor();
     meet();
     ASSERT_TRUE(hand_over(memory->descriptor()));
-    ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+    ASSERT_EQ(chunks_.open(told(), never_), absl::OkStatus());
     EXPECT_TRUE(chunks_.holds_memory());
     chunks_.rest();
     EXPECT_EQ(chunks_.holds_memory(), memory == &freed);
@@ -249,7 +265,7 @@ TEST_F(SharedChunksTest, AChunkThatWasFreedIsAskedForAgain) {
   std::ranges::fill(memory.bytes(), std::byte{5});
   meet();
   MeshReceiver receiver;
-  receiver.use_shared(chunks_);
+  receiver.use_shared(chunks_, never_);
   v1::MeshEvent event;
   v1::MeshHeader& header = *event.mutable_header();
   header.set_mesh_id("m");
@@ -372,12 +388,12 @@ TEST_F(SharedChunksTest, AnswersEachChunkThatTakesItsTime) {
 TEST_F(SharedChunksTest, AWrongChunkThatNobodyCanHaveFreedIsNotAskedForAgain) {
   meet();
   ASSERT_TRUE(hand_over(memory_.descriptor()));
-  ASSERT_EQ(chunks_.open(told()), absl::OkStatus());
+  ASSERT_EQ(chunks_.open(told(), never_), absl::OkStatus());
   EXPECT_EQ(chunks_.distrust(3).code(), absl::StatusCode::kDataLoss);
 }
 
 TEST_F(SharedChunksTest, IsNotToldOfWhatNobodyAskedFor) {
-  EXPECT_EQ(chunks_.open(told()).code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(chunks_.open(told(), never_).code(), absl::StatusCode::kDataLoss);
   EXPECT_EQ(chunks_.begin("", never_), "");
   EXPECT_EQ(chunks_.begin(folder_.file("nothing"), never_), "");
 }

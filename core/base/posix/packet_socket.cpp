@@ -1,5 +1,6 @@
 #include "core/base/posix/packet_socket.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -48,6 +49,18 @@ Descriptor file_of(msghdr& header) noexcept {
     }
   }
   return files == 1 ? std::move(first) : Descriptor();
+}
+
+/// Waits until one of them can be read, for `patience` at most. Signals that have handlers
+/// interrupt poll(2), and neither make it longer nor end it.
+void wait_for_any(std::span<pollfd> any, std::chrono::milliseconds patience) noexcept {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end = Clock::now() + patience;
+  while (::poll(any.data(), any.size(), static_cast<int>(patience.count())) < 0 &&
+         errno == EINTR) {
+    patience = std::max(std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()),
+                        std::chrono::milliseconds(0));
+  }
 }
 
 }  // namespace
@@ -155,7 +168,7 @@ Packet await_any_packet(const Descriptor& socket,
   const Packet at_once = take_any_packet(socket, message, size);
   if (at_once != Packet::kNone) return at_once;
   std::array<pollfd, 2> either{{{socket.number(), POLLIN, 0}, {stop, POLLIN, 0}}};
-  ::poll(either.data(), either.size(), static_cast<int>(patience.count()));
+  wait_for_any(either, patience);
   return take_any_packet(socket, message, size);
 }
 
@@ -165,7 +178,7 @@ bool await_packet(const Descriptor& socket,
                   Descriptor& passed,
                   int stop) noexcept {
   std::array<pollfd, 2> either{{{socket.number(), POLLIN, 0}, {stop, POLLIN, 0}}};
-  ::poll(either.data(), either.size(), static_cast<int>(patience.count()));
+  wait_for_any(either, patience);
   if (either[0].revents == 0) return false;
   iovec bytes{message.data(), message.size()};
   alignas(cmsghdr) Control control{};

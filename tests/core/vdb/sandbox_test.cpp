@@ -10,6 +10,7 @@
 
 #include "core/vdb/idle_threads.h"
 #include "tests/core/vdb/decode_test_files.h"
+#include "tests/support/eventually.h"
 
 namespace tet {
 namespace {
