@@ -97,7 +97,7 @@ TEST_F(SessionOnAServer, MakesTheBytesThatAreMadeHereOfScenes) {
 TEST_F(SessionOnAServer, FollowsABallWhoseMoveIsMoreThanAMessageMayHold) {
   const Volume before = large_ball(0), after = large_ball(3);
   const auto leaves =
-      changed_leaves(*before.impl().components.front(), *after.impl().components.front());
+      changed_leaves(*before.impl().components.front(), *after.impl().components.front(), {});
   ASSERT_TRUE(leaves.ok()) << leaves.status();
   std::size_t bytes = 0;
   for (const v1::LeafUpdate& leaf : *leaves) bytes += leaf.ByteSizeLong();
@@ -176,6 +176,20 @@ TEST(LibrarySession, IsOverWhereItsMakerMayBeAheadOfWhatIsShown) {
     EXPECT_EQ(of_volume.over, follows);
     EXPECT_EQ(of_scene.over, follows);
   }
+}
+
+TEST(LibrarySession, ComparesVolumesNoLongerThanAnybodyWaits) {
+  const Volume before = frame(0), after = frame(1);
+  const auto compare = [&](const tet::Cancellation& cancellation) {
+    return changed_leaves(*before.impl().components.front(), *after.impl().components.front(),
+                          cancellation)
+        .status();
+  };
+  EXPECT_EQ(compare({}), absl::OkStatus());
+  EXPECT_TRUE(absl::IsDeadlineExceeded(compare(tet::Cancellation(tet::Cancellation::Clock::now()))));
+  tet::Cancellation cancelled;
+  cancelled.cancel();
+  EXPECT_TRUE(absl::IsCancelled(compare(cancelled)));
 }
 
 TEST(LibrarySession, SaysWhyThereIsNone) {

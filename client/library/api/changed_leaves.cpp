@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -37,19 +38,15 @@ absl::Status check(const tet::Volume& before, const tet::Volume& after) {
   return absl::OkStatus();
 }
 
-/// Bricks of which one of the volumes knows something, but for what lies in its cubes.
-std::vector<tet::BrickCoord> known_bricks(const tet::Volume& before, const tet::Volume& after) {
-  std::vector<tet::BrickCoord> bricks;
+/// Where one of the volumes knows something, but for what lies in its cubes.
+std::vector<tet::BrickCoord> known_regions(const tet::Volume& before,
+                                           const tet::Volume& after) {
+  std::vector<tet::BrickCoord> corners;
   for (const tet::Volume* const volume : {&before, &after}) {
-    for (const tet::Region& region : volume->regions) {
-      for (std::int32_t i = 0; i < 4096; ++i) {
-        bricks.push_back(
-            {region.min.x + i / 256, region.min.y + i / 16 % 16, region.min.z + i % 16});
-      }
-    }
+    for (const tet::Region& region : volume->regions) corners.push_back(region.min);
   }
-  tet::sort_unique(bricks);
-  return bricks;
+  tet::sort_unique(corners);
+  return corners;
 }
 
 std::span<const float> values_of(const tet::VolumeReader::Brick& brick) {
@@ -66,22 +63,65 @@ v1::LeafUpdate leaf_of(tet::BrickCoord brick, std::span<const float> values) {
   return leaf;
 }
 
+/// Two volumes, brick by brick.
+class Comparison {
+ public:
+  Comparison(const tet::Volume& before, const tet::Volume& after)
+      : before_(before), after_(after) {}
+
+  bool differ(tet::BrickCoord brick) {
+    const tet::VolumeReader::Brick was = before_.brick(brick);
+    const tet::VolumeReader::Brick is = after_.brick(brick);
+    return !std::ranges::equal(values_of(was), values_of(is));
+  }
+  v1::LeafUpdate leaf(tet::BrickCoord brick) {
+    const tet::VolumeReader::Brick is = after_.brick(brick);
+    return leaf_of(brick, values_of(is));
+  }
+
+ private:
+  tet::VolumeReader before_, after_;
+};
+
+/// Those that differ of the bricks of some regions. A wide narrow band has thousands of regions
+/// of 4096 bricks each: what is listed are only those that changed.
+absl::StatusOr<std::vector<tet::BrickCoord>> changed_bricks(
+    Comparison& volumes,
+    const std::vector<tet::BrickCoord>& regions,
+    const tet::Cancellation& cancellation) {
+  constexpr std::int32_t kEdge = tet::Region::kEdgeBricks;
+  std::vector<tet::BrickCoord> changed;
+  for (const tet::BrickCoord min : regions) {
+    if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
+    for (std::int32_t i = 0; i < kEdge * kEdge * kEdge; ++i) {
+      const tet::BrickCoord brick{min.x + i / (kEdge * kEdge), min.y + i / kEdge % kEdge,
+                                  min.z + i % kEdge};
+      if (volumes.differ(brick)) changed.push_back(brick);
+    }
+  }
+  tet::sort_unique(changed);
+  return changed;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<v1::LeafUpdate>> changed_leaves(
     const tet::Volume& before,
     const tet::Volume& after,
+    const tet::Cancellation& cancellation,
     const std::vector<tet::BrickCoord>* among) {
   if (absl::Status status = check(before, after); !status.ok()) return status;
-  tet::VolumeReader reads_before(before), reads_after(after);
+  Comparison volumes(before, after);
   std::vector<v1::LeafUpdate> leaves;
-  for (const tet::BrickCoord brick : among ? *among : known_bricks(before, after)) {
-    const tet::VolumeReader::Brick was = reads_before.brick(brick);
-    const tet::VolumeReader::Brick is = reads_after.brick(brick);
-    if (!std::ranges::equal(values_of(was), values_of(is))) {
-      leaves.push_back(leaf_of(brick, values_of(is)));
+  if (among != nullptr) {
+    for (const tet::BrickCoord brick : *among) {
+      if (volumes.differ(brick)) leaves.push_back(volumes.leaf(brick));
     }
+    return leaves;
   }
+  const auto changed = changed_bricks(volumes, known_regions(before, after), cancellation);
+  if (!changed.ok()) return changed.status();
+  for (const tet::BrickCoord brick : *changed) leaves.push_back(volumes.leaf(brick));
   return leaves;
 }
 

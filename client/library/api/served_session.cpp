@@ -65,7 +65,7 @@ class ServedFrames final : public FrameMaker<Frame> {
     if (!bricks.ok()) return to_public(bricks.status());
     const auto leaves =
         changed_leaves(*before.impl().components.front(), *after.impl().components.front(),
-                       *bricks ? &**bricks : nullptr);
+                       cancellation_, *bricks ? &**bricks : nullptr);
     return leaves.ok() ? after_update(session_->update(*leaves)) : to_public(leaves.status());
   }
   Result<Frame> make(const Scene& scene) override {
