@@ -73,7 +73,7 @@ class ServedFrames final : public FrameMaker<Frame> {
     return message.ok() ? after_update(session_->update(*message))
                         : to_public(message.status());
   }
-  bool is_over() const override { return session_->is_over(); }
+  bool is_over() const override { return session_->is_over() || cancellation_.requested(); }
   Status end() override { return to_public(session_->end()); }
 
  private:
