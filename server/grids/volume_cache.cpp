@@ -130,6 +130,7 @@ VolumeCache::Loaded VolumeCache::admit(const VolumeKey& key, const GridInMemory&
   if (fits()) return grid;
   release_();
   if (fits()) return grid;
+  refused_.note();
   return with_retry(over_limit(absl::StrCat(what, " beside those in use"), size, budget_bytes_),
                     absl::Seconds(5));
 }

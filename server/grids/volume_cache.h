@@ -16,6 +16,7 @@
 
 #include "core/volume/label_volume.h"
 #include "core/volume/volume.h"
+#include "server/ops/last_time.h"
 #include "server/rpc/fair_tasks.h"
 
 namespace tet {
@@ -79,6 +80,10 @@ class VolumeCache {
   void get(const VolumeKey& key, const std::string& path, Request request);
 
   CacheStats stats() const;
+  /// Whether a volume was refused since `then`, as others in use left no room for it.
+  bool has_refused_since(LastTime::Clock::time_point then) const noexcept {
+    return refused_.is_since(then);
+  }
 
  private:
   using Loaded = absl::StatusOr<GridInMemory>;
@@ -101,6 +106,7 @@ class VolumeCache {
   const std::uint64_t budget_bytes_;
   const Loader loader_;
   const std::function<void()> release_;
+  LastTime refused_;
   mutable std::mutex mutex_;
   std::uint64_t clock_ = 0;
   std::uint64_t evicted_ = 0;

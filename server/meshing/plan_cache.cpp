@@ -51,6 +51,7 @@ absl::Status PlanCache::make_room(std::uint64_t bytes,
     recent_.pop_back();
   }
   if (*alive_ + bytes <= budget_bytes_) return absl::OkStatus();
+  refused_.note();
   return with_retry(over_limit(what, *alive_ + bytes, budget_bytes_, "SERVER_BUSY"),
                     kRetryDelay);
 }

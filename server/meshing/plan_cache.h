@@ -13,6 +13,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/plan/mesh_plan.h"
+#include "server/ops/last_time.h"
 
 namespace tet {
 
@@ -46,6 +47,10 @@ class PlanCache {
   void forget();
 
   std::uint64_t budget_bytes() const noexcept { return budget_bytes_; }
+  /// Whether a plan was refused since `then`, as others in use left no room for it.
+  bool has_refused_since(LastTime::Clock::time_point then) const noexcept {
+    return refused_.is_since(then);
+  }
   /// Bytes of all plans that are alive.
   std::uint64_t bytes() const noexcept { return *alive_; }
 
@@ -58,6 +63,7 @@ class PlanCache {
 
   const std::uint64_t budget_bytes_;
   const std::shared_ptr<std::atomic<std::uint64_t>> alive_;  ///< bytes
+  LastTime refused_;
   std::mutex mutex_;
   std::list<NamedPlan> recent_;  ///< most recently used first
 };

@@ -121,6 +121,10 @@ class Planner {
   /// Plans being made now.
   int running() const noexcept { return running_.load(); }
   PlannerStats stats() const;
+  /// Whether a grid or a plan was refused since `then`, as others in use left no room for it.
+  bool has_refused_since(LastTime::Clock::time_point then) const noexcept {
+    return volumes_.has_refused_since(then) || plans_.has_refused_since(then);
+  }
 
  private:
   /// A mesh to be planned, or only loaded.

@@ -26,6 +26,10 @@ constexpr std::size_t kIdleBlocks = kIdleBlockBytes / kBlockBytes;
 /// loses it.
 constexpr std::chrono::seconds kKeptWaiting{1}, kPressedStall{5};
 
+/// Where somebody was refused for want of room so lately, who has surely tried again since if it
+/// is still wanted, a session may be idle for no longer than that.
+constexpr std::chrono::seconds kRoomLacked{20}, kPressedIdle{30};
+
 /// A quarter of what there is for chunks may be idle, until somebody lacks it.
 constexpr std::uint64_t kIdleShare = 4;
 
@@ -99,6 +103,12 @@ void MeshEngine::check_stalls(Stallable::Clock::time_point now) {
     limit = std::min(limit, kPressedStall);
   }
   stalls.check(now, limit);
+}
+
+std::chrono::seconds MeshEngine::session_idle() const {
+  const std::chrono::seconds most(config.session_idle_seconds);
+  const bool is_pressed = planner.has_refused_since(LastTime::Clock::now() - kRoomLacked);
+  return is_pressed ? std::min(most, kPressedIdle) : most;
 }
 
 }  // namespace tet

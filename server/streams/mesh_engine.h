@@ -52,6 +52,9 @@ struct MeshEngine {
   /// Ends streams whose clients stopped reading: sooner where others wait for their blocks. To
   /// be called every now and then, as what follows.
   void check_stalls(Stallable::Clock::time_point now);
+  /// How long a session may wait for its client: no longer than half a minute where its grid or
+  /// its plan may be what has left others no room lately.
+  std::chrono::seconds session_idle() const;
   /// Whether streams should not make chunks ahead. What idles is not in their way.
   bool is_tight() const { return send_budget.is_tight(kept_memory.bytes()); }
   /// Gives up shared memory that no stream has used for a while.

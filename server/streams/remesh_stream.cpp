@@ -300,9 +300,9 @@ std::optional<Stallable::Wait> RemeshStream::wait(std::chrono::seconds limit) {
   if (const auto writing = ChunkStream::wait(limit)) return writing;
   const std::lock_guard lock(read_mutex_);
   // A client may think for longer than it may take over a message, or a frame's next part.
-  const std::chrono::seconds most(in_frame_ ? engine_.config.stall_seconds
-                                            : engine_.config.session_idle_seconds);
-  return read_start_ ? std::optional<Wait>({*read_start_, most}) : std::nullopt;
+  if (!read_start_) return std::nullopt;
+  const std::chrono::seconds of_frame(engine_.config.stall_seconds);
+  return Wait{*read_start_, in_frame_ ? of_frame : engine_.session_idle()};
 }
 
 void RemeshStream::give_up(std::chrono::seconds waited) {

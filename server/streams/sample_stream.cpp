@@ -316,8 +316,8 @@ std::optional<Stallable::Wait> SampleStream::wait(std::chrono::seconds limit) {
   if (const auto writing = StreamWriter::wait(limit)) return writing;
   const std::lock_guard lock(mutex_);
   // A client may think for longer than it may take over a message.
-  const std::chrono::seconds most(engine_.config.session_idle_seconds);
-  return idle_since_ ? std::optional<Wait>({*idle_since_, most}) : std::nullopt;
+  if (!idle_since_) return std::nullopt;
+  return Wait{*idle_since_, engine_.session_idle()};
 }
 
 void SampleStream::give_up(std::chrono::seconds waited) {

@@ -276,6 +276,40 @@ TEST_F(SamplePointsTest, EndsACallWhoseClientSendsNothing) {
   EXPECT_THAT(status.error_message(), HasSubstr("sent no points for"));
 }
 
+// Its grid stays in memory while the call lives, however idle it is, and is nobody's share.
+TEST_F(SamplePointsTest, EndsAnIdleCallWhoseGridLeavesNoRoomForAnothers) {
+  const std::string held = solid_file("sphere", 0.04), wanted = solid_file("cavity", 0.04);
+  config_.resident_bytes =
+      load_volume(held, "")->size_bytes() + load_volume(wanted, "")->size_bytes() - 1;
+  start();
+  constexpr std::uint64_t kAWhile = 40;  // less than a session may be idle otherwise
+  ASSERT_LT(2 * kAWhile, config_.session_idle_seconds);
+  ASSERT_LE(kAWhile, config_.stall_seconds);
+  const v1::MeshRequest other = mesh_of(wanted);
+  grpc::ClientContext context;
+  const auto stream = meshes_->SamplePoints(&context);
+  stream->Write(start_of(mesh_of(held)));
+  v1::SamplePointsResponse response;
+  ASSERT_TRUE(stream->Read(&response));
+  const auto ask = [&] { return answer_to({start_of(other), points_of({0, 0, 0})}); };
+  {
+    const PassingTime passing(*server_, kAWhile);
+    stream->Write(points_of({0, 0, 0}));
+    ASSERT_TRUE(stream->Read(&response)) << "nobody lacks its room";
+  }
+  EXPECT_EQ(ask().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  {
+    const PassingTime passing(*server_, kAWhile);
+    EXPECT_TRUE(eventually([&] {
+      ask();
+      return server_->running_calls() == 0;
+    }));
+  }
+  EXPECT_FALSE(stream->Read(&response));
+  EXPECT_EQ(reason_of(stream->Finish()), "tetstream/CLIENT_STALLED");
+  EXPECT_TRUE(eventually([&] { return ask().ok(); }));
+}
+
 TEST_F(SamplePointsTest, EndsACallWhoseClientReadsNothing) {
   config_.stall_seconds = 1;
   start();
