@@ -12,7 +12,7 @@ namespace tet {
 namespace {
 // The disk begins with so much at a time while the rest is still coming.
 constexpr std::uint64_t kFlushBytes = std::uint64_t{16} << 20;
-constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr std::size_t kPartReadBytes = std::size_t{1} << 20;
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<GridUpload>> GridUpload::open(GridStore& store,
@@ -36,12 +36,12 @@ absl::Status GridUpload::measure_part() {
 }
 
 absl::Status GridUpload::digest_part(std::uint64_t most_bytes) {
-  std::vector<char> buffer(kReadBytes);
+  std::vector<char> buffer(kPartReadBytes);
   const std::uint64_t end =
       committed_size_ + std::min(most_bytes, part_size_ - committed_size_);
   while (committed_size_ < end) {
     const std::span<char> room =
-        std::span(buffer).first(std::min<std::uint64_t>(kReadBytes, end - committed_size_));
+        std::span(buffer).first(std::min<std::uint64_t>(kPartReadBytes, end - committed_size_));
     const absl::StatusOr<std::size_t> count = file_.read_at(committed_size_, room);
     if (!count.ok()) return count.status();
     if (*count == 0) part_size_ = committed_size_;  // somebody has cut it

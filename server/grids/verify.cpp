@@ -20,9 +20,9 @@ namespace tet {
 
 namespace {
 
-constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr std::size_t kVerifyReadBytes = std::size_t{1} << 20;
 /// What is read in one turn: others' turns come every few hundredths of a second.
-constexpr std::uint64_t kBytesOfTurn = std::uint64_t{16} << 20;
+constexpr std::uint64_t kVerifiedBytesOfTurn = std::uint64_t{16} << 20;
 
 absl::Status corrupt(const std::string& digest, std::string_view why) {
   return with_reason(absl::DataLossError(
@@ -43,7 +43,7 @@ class Verification {
                                     const std::function<bool()>& cancelled) {
     if (absl::IsNotFound(file_.status())) return corrupt(name_, "is gone");
     if (!file_.ok()) return file_.status();
-    std::vector<char> buffer(kReadBytes);
+    std::vector<char> buffer(kVerifyReadBytes);
     for (std::uint64_t end = offset_ + most_bytes; offset_ < end;) {
       if (cancelled()) return absl::CancelledError("nobody wants the grid any more");
       const auto count = file_->read_at(offset_, buffer);
@@ -77,7 +77,7 @@ struct Rest {
 void post_turn(const std::shared_ptr<Rest>& rest) {
   rest->turns.disk.post(rest->turns.client, [rest] {
     const auto outcome = guarded("verifying a grid", [&]() -> absl::StatusOr<bool> {
-      const auto end = rest->file.go_on(kBytesOfTurn, rest->turns.cancelled);
+      const auto end = rest->file.go_on(kVerifiedBytesOfTurn, rest->turns.cancelled);
       if (end && !end->ok()) return *end;
       if (!end) post_turn(rest);
       return end.has_value();
@@ -92,7 +92,7 @@ absl::Status verify_stored(const std::filesystem::path& path,
                            const std::function<bool()>& cancelled) {
   Verification file(path);
   std::optional<absl::Status> end;
-  while (!end) end = file.go_on(kBytesOfTurn, cancelled);
+  while (!end) end = file.go_on(kVerifiedBytesOfTurn, cancelled);
   return *end;
 }
 
