@@ -17,7 +17,8 @@ struct LocalFile {
 };
 
 /// Reads all of a file to name it. Errors: kNotFound, kInvalidArgument (empty),
-/// kCancelled, those of io_error (a disk that fails half-way must not look like the file's end).
+/// kCancelled, those of io_error (a disk that fails half-way must not look like the file's
+/// end).
 absl::StatusOr<LocalFile> name_file(const std::string& path, const Cancellation& cancellation);
 
 }  // namespace tet

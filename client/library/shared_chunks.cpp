@@ -95,8 +95,8 @@ absl::Status SharedChunks::open(const v1::SharedMemory& told,
   const auto bytes = static_cast<std::size_t>(told.blocks() * told.block_bytes());
   SideMessage size{};
   Descriptor file;
-  const bool came = await_packet(side_, size, patience(cancellation), file,
-                                 cancellation.descriptor());
+  const bool came =
+      await_packet(side_, size, patience(cancellation), file, cancellation.descriptor());
   if (!came && cancellation.requested()) {
     refused_ = false;  // it would have worked, for all we know
     side_ = Descriptor();

@@ -106,7 +106,7 @@ class StreamReader {
   absl::Status take_quality(const v1::MeshTrailer& trailer);
 
   ChunkConsumer* consumer_;
-  SharedChunks* shared_ = nullptr;  ///< null: none is asked for
+  SharedChunks* shared_ = nullptr;              ///< null: none is asked for
   const Cancellation* cancellation_ = nullptr;  ///< null with it
   Base base_;
   StreamedMesh told_;

@@ -55,11 +55,10 @@ absl::Status timed_out(const DecodeOrder& order, Clock::duration limit) {
 /// Its own limits end it with other signals, and it can send none: somebody else did, most
 /// likely the system, for want of memory that others may have taken.
 absl::Status killed(const DecodeOrder& order) {
-  return named_failure(
-      "DECODER_MEMORY",
-      absl::ResourceExhaustedError(absl::StrFormat(
-          "'%s' was not decoded: the decoder was killed, as the system does where memory is short",
-          order.file_name)));
+  return named_failure("DECODER_MEMORY", absl::ResourceExhaustedError(absl::StrFormat(
+                                             "'%s' was not decoded: the decoder was killed, as "
+                                             "the system does where memory is short",
+                                             order.file_name)));
 }
 
 absl::Status gone() { return unavailable("a decoder ended before it had anything to do"); }

@@ -6,7 +6,8 @@ namespace tet {
 
 void DecoderSupply::prepare(const Cancelled& cancelled) {
   if (ready_) return;
-  if (absl::StatusOr<Decoder> made = make(cancelled); made.ok()) ready_.emplace(*std::move(made));
+  if (absl::StatusOr<Decoder> made = make(cancelled); made.ok())
+    ready_.emplace(*std::move(made));
 }
 
 absl::StatusOr<Decoder> DecoderSupply::take(const Cancelled& cancelled) {

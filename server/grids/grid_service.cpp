@@ -153,9 +153,8 @@ void take_list(const SharedInquiry& about,
   describe({stored.key.digest, stored.size_bytes, absl::Now()}, about->response);
   for (const GridInfo& info : *grids) to_proto(info, *about->response.add_grids());
   if (!about->values) return about->pending->finish(absl::OkStatus());
-  add_values(about,
-             {about->pending->call().client(), request.path, request.file_name,
-              *std::move(grids), about->resident_bytes});
+  add_values(about, {about->pending->call().client(), request.path, request.file_name,
+                     *std::move(grids), about->resident_bytes});
 }
 
 /// Has a decoder look at the file.
@@ -165,9 +164,8 @@ void grid_info(const SharedInquiry& about) {
   about->decoders.decode(
       about->pending->call().client(), request, [about] { return about->pending->cancelled(); },
       [about, request](const absl::StatusOr<SealedBlock>& block) {
-        about->pending->finish_unless_ok(guarded("GetGridInfo", [&] {
-          take_list(about, request, grid_list_of(block, request));
-        }));
+        about->pending->finish_unless_ok(guarded(
+            "GetGridInfo", [&] { take_list(about, request, grid_list_of(block, request)); }));
       });
 }
 
@@ -213,8 +211,7 @@ grpc::ServerUnaryReactor* GridService::GetGridInfo(grpc::CallbackServerContext* 
                                                    v1::GridFile* response) {
   return answer_later(calls_, disk_, *context, "GetGridInfo",
                       [this, request, response](const std::shared_ptr<PendingAnswer>& pending) {
-                        auto lease =
-                            acquire(store_, pending->call().space(), request->name());
+                        auto lease = acquire(store_, pending->call().space(), request->name());
                         if (!lease.ok()) return pending->finish(lease.status());
                         grid_info(std::make_shared<const Inquiry>(
                             Inquiry{store_, disk_, decoders_, resident_bytes_,

@@ -99,7 +99,8 @@ absl::Status verify_stored(const std::filesystem::path& path,
 void verify_in_turns(TurnsToVerify turns,
                      const std::filesystem::path& path,
                      std::function<void(const absl::Status&)> done) {
-  post_turn(std::make_shared<Rest>(Rest{std::move(turns), Verification(path), std::move(done)}));
+  post_turn(
+      std::make_shared<Rest>(Rest{std::move(turns), Verification(path), std::move(done)}));
 }
 
 }  // namespace tet

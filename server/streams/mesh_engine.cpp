@@ -26,8 +26,8 @@ constexpr std::size_t kIdleBlocks = kIdleBlockBytes / kBlockBytes;
 /// loses it.
 constexpr std::chrono::seconds kKeptWaiting{1}, kPressedStall{5};
 
-/// Where somebody was refused for want of room so lately, who has surely tried again since if it
-/// is still wanted, a session may be idle for no longer than that.
+/// Where somebody was refused for want of room so lately, who has surely tried again since if
+/// it is still wanted, a session may be idle for no longer than that.
 constexpr std::chrono::seconds kRoomLacked{20}, kPressedIdle{30};
 
 /// A quarter of what there is for chunks may be idle, until somebody lacks it.

@@ -186,7 +186,8 @@ TEST(LibrarySession, ComparesVolumesNoLongerThanAnybodyWaits) {
         .status();
   };
   EXPECT_EQ(compare({}), absl::OkStatus());
-  EXPECT_TRUE(absl::IsDeadlineExceeded(compare(tet::Cancellation(tet::Cancellation::Clock::now()))));
+  EXPECT_TRUE(
+      absl::IsDeadlineExceeded(compare(tet::Cancellation(tet::Cancellation::Clock::now()))));
   tet::Cancellation cancelled;
   cancelled.cancel();
   EXPECT_TRUE(absl::IsCancelled(compare(cancelled)));

@@ -202,7 +202,8 @@ TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
     chunks_ = SharedChunks();
     accepted_ = Descriptor();
     meet();
-    EXPECT_EQ(chunks_.open(told(block_bytes, blocks), never_).code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(chunks_.open(told(block_bytes, blocks), never_).code(),
+              absl::StatusCode::kDataLoss);
   }
 }
 

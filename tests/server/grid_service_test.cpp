@@ -188,8 +188,9 @@ TEST_F(LargeFilesTest, KeepNoDecoderFromOthersWhileTheyAreFoundToBeNone) {
   about.set_name(name_of_grid(digest));
   v1::GridFile told;
   std::promise<grpc::Status> asked;
-  grids_->async()->GetGridInfo(&context, &about, &told,
-                               [&](grpc::Status status) { asked.set_value(std::move(status)); });
+  grids_->async()->GetGridInfo(&context, &about, &told, [&](grpc::Status status) {
+    asked.set_value(std::move(status));
+  });
   ASSERT_TRUE(eventually([&] { return server_->running_calls() == 1; }));
   auto answer = asked.get_future();
   const auto info = client_->grid_info(uniform_ball(8).name(), never_);

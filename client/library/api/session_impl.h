@@ -34,8 +34,8 @@ class FrameMaker {
   virtual Result<Frame> make(const Scene& scene) = 0;
   /// A frame has failed, and nobody can make another.
   virtual bool is_over() const = 0;
-  /// Whether it makes a frame from what it holds of the one before. What is thrown meanwhile may
-  /// leave it between the two.
+  /// Whether it makes a frame from what it holds of the one before. What is thrown meanwhile
+  /// may leave it between the two.
   virtual bool follows() const { return true; }
   virtual Status end() = 0;
 };
@@ -70,8 +70,8 @@ class FollowedShape {
       return made;
     });
     if (!frame.ok()) {
-      // The maker may have gone on to a frame that nobody has: a difference from the one that is
-      // shown would make a wrong mesh of it.
+      // The maker may have gone on to a frame that nobody has: a difference from the one that
+      // is shown would make a wrong mesh of it.
       over = maker->is_over() || (has_thrown && maker->follows());
       return frame.status();
     }

@@ -20,10 +20,9 @@ namespace fs = std::filesystem;
 /// name is the system's own chance.
 fs::path temporary_name(const fs::path& path, const AtomicFileStyle& style) {
   std::random_device random;
-  return path.parent_path() / absl::StrCat(std::string(style.prefix),
-                                           absl::Hex(random(), absl::kZeroPad8),
-                                           absl::Hex(random(), absl::kZeroPad8),
-                                           std::string(style.ending));
+  return path.parent_path() /
+         absl::StrCat(std::string(style.prefix), absl::Hex(random(), absl::kZeroPad8),
+                      absl::Hex(random(), absl::kZeroPad8), std::string(style.ending));
 }
 
 /// Names that are tried, where others have taken them by chance.

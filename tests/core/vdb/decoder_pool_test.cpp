@@ -131,7 +131,8 @@ TEST_F(DecoderPoolTest, LetsNobodyWaitForAllOfAnothersFiles) {
   const std::string program = hostile("decode_but_for");
   DecoderPool pool(settings(program, 1));
   std::atomic<bool> held{true};
-  auto hanging = ask(pool, request("hang"), [&] { return !held; }, "greedy");
+  auto hanging = ask(
+      pool, request("hang"), [&] { return !held; }, "greedy");
   ASSERT_NE(test::hanging_decoder(program), 0);  // so that all others wait
   std::vector<std::string> order;                // the pool's only thread adds to it
   std::vector<std::future<absl::Status>> answers;
