@@ -279,15 +279,6 @@ absl::StatusOr<Fidelity> measure_part(const MeasuredMesh& mesh,
   return fidelity;
 }
 
-/// Keeps of a request what says where phi is zero: the rest may need grids that are not loaded
-/// any more.
-MeshRequest request_for_phi(MeshRequest request) {
-  request.sizing = {};
-  request.fields.clear();
-  request.face_regions.clear();
-  return request;
-}
-
 /// In ranges of tets: sums do not depend on how they are cut.
 TetSums sums_of(const TetMesh& mesh) {
   const MeshView view = mesh.view();

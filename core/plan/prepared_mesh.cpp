@@ -101,6 +101,13 @@ absl::Status check_is_no_segmentation(const Shape& shape) {
 
 }  // namespace
 
+MeshRequest request_for_phi(MeshRequest request) {
+  request.sizing = {};
+  request.fields.clear();
+  request.face_regions.clear();
+  return request;
+}
+
 absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& request) {
   const absl::StatusOr<CanonicalRequest> asked = canonical(request, shape);
   if (!asked.ok()) return asked.status();

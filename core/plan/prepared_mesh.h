@@ -31,6 +31,10 @@ struct MeshedField {
   PhiField phi;
 };
 
+/// Keeps of a request what says where phi is zero, for whoever looks at phi once the mesh is
+/// made: the rest may need grids that are not loaded any more.
+MeshRequest request_for_phi(MeshRequest request);
+
 /// It refers to the shape, which must outlive it. Errors: those of canonical.
 absl::StatusOr<MeshedField> meshed_field(const Shape& shape, const MeshRequest& request);
 

@@ -26,8 +26,9 @@ absl::Status bend_all(const TetMesh& mesh,
                       const MeshRequest& request,
                       const Cancellation& cancellation,
                       CurvedEdges& curved) {
+  const MeshRequest asked = request_for_phi(request);
   const auto bend = [&](const Shape& one, std::uint64_t first, std::uint64_t count) {
-    const absl::StatusOr<MeshedField> field = meshed_field(one, request);
+    const absl::StatusOr<MeshedField> field = meshed_field(one, asked);
     if (!field.ok()) return field.status();
     curved.bend(field->phi, first, count, cancellation);
     return absl::OkStatus();

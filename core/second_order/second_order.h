@@ -19,7 +19,8 @@ namespace tet {
 /// a fifth of the straight tet's.
 ///
 /// Middle nodes have the values of the request's fields where these are loaded, and otherwise
-/// the mean of the edge's ends; the faces of a box that both ends lie in.
+/// the mean of the edge's ends; the faces of a box that both ends lie in. A grid of sizes need
+/// not be loaded.
 ///
 /// Parallel; run it on a TaskPool; the same bytes for any number of threads. Errors: those of
 /// canonical and number_edges, kInvalidArgument (the mesh is of other grids), kCancelled,

@@ -14,6 +14,7 @@ from command_case import REFUSED, USAGE, CommandTest, ServerTest, read_mesh
 
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 ORDER = ("--spacing", "0.2", "--order", "2")
+SIZES = ("--sizing", '{"grid": {}}')
 
 
 def volume_of(points, tets):
@@ -73,6 +74,10 @@ class SecondOrder(CommandTest):
                 flat = mesh.points[block.data[tags == tag]][..., 0]
                 self.assertTrue((abs(flat) < 1e-6).all())
 
+    def test_goes_with_a_grid_of_sizes(self):
+        self.assert_done(self.mesh("sphere.vdb", ".vtu", *ORDER, *SIZES))
+        self.assertEqual([block.type for block in read_mesh(self.out / "mesh.vtu").cells], ["tetra10"])
+
     def test_has_the_same_bytes_for_any_number_of_threads(self):
         for threads in ("1", "3"):
             self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o",
@@ -91,10 +96,12 @@ class SecondOrderOnAServer(ServerTest):
     volumes = {"sphere": 0.05}
 
     def test_is_that_of_a_mesh_made_here(self):
-        for path, options in (("here.vtu", ()), ("served.vtu", ("--server", self.address))):
-            self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o",
-                                            self.out / path, *ORDER, *options))
-        self.assertTrue(filecmp.cmp(self.out / "here.vtu", self.out / "served.vtu", shallow=False))
+        for sizes in ((), SIZES):
+            for path, options in (("here.vtu", ()), ("served.vtu", ("--server", self.address))):
+                self.assert_done(self.tetstream("mesh", self.inputs / "sphere.vdb", "-o",
+                                                self.out / path, *ORDER, *sizes, *options))
+            self.assertTrue(filecmp.cmp(self.out / "here.vtu", self.out / "served.vtu", shallow=False),
+                            sizes)
 
 
 if __name__ == "__main__":

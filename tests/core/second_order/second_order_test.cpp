@@ -227,6 +227,17 @@ TEST(SecondOrder, GivesMiddleNodesTheValuesOfFields) {
       << "sampled where the node lies, not averaged";
 }
 
+TEST(SecondOrder, NeedsNoGridOfSizes) {
+  const Shape ball = ball_scene();
+  const Curved found = curved(ball, at_spacing(0.25));
+  MeshRequest sized = at_spacing(0.25);
+  sized.sizing.grid = SizingGrid{};  // which is loaded no more once the mesh is made
+  const MiddleNodes middles = middles_of(found.mesh, ball, sized);
+  EXPECT_GT(middles.curved, 0U);
+  EXPECT_TRUE(
+      std::ranges::equal(middles.positions.bytes(), found.middles.positions.bytes()));
+}
+
 TEST(SecondOrder, OfNothingIsNothing) {
   TetMesh empty{MeshHeader{}};
   const MiddleNodes middles = middles_of(empty, ball_scene(), at_spacing(0.1));
