@@ -45,6 +45,28 @@ void update_rows(Table& table, const Update& update) {
       kRowsPerRun);
 }
 
+/// For each column the power of two of its largest number.
+std::vector<int> exponents_of(const Table& table) {
+  std::vector<double> largest(table.width);
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    for (std::size_t k = 0; k < table.width; ++k) {
+      largest[k] = std::max(largest[k], std::abs(table.row(i)[k]));
+    }
+  }
+  std::vector<int> exponents(table.width);
+  std::ranges::transform(largest, exponents.begin(), [](double value) {
+    return value > 0 && std::isfinite(value) ? std::ilogb(value) : 0;
+  });
+  return exponents;
+}
+
+/// Multiplies each column by a power of two, which rounds nothing.
+void scale_columns(Table& table, const std::vector<int>& exponents, int sign) {
+  update_rows(table, [&](double& value, std::size_t /*row*/, std::size_t k) {
+    value = std::ldexp(value, sign * exponents[k]);
+  });
+}
+
 }  // namespace
 
 MassMatrix::MassMatrix(const DataMesh& mesh)
@@ -116,27 +138,41 @@ void MassMatrix::multiply(const Table& x, Table& y) const {
       kRowsPerRun);
 }
 
+/// Squares of very large numbers, and of very small ones, are none that a double has. So
+/// columns are solved at a size of about one, with the same bits.
 void MassMatrix::solve(const Table& right, Table& x, const Cancellation& cancellation) const {
+  const std::vector<int> exponents = exponents_of(right);
+  Table residual = right;
+  scale_columns(residual, exponents, -1);
+  scale_columns(x, exponents, -1);
+  solve_scaled(residual, x, cancellation);
+  scale_columns(x, exponents, 1);
+}
+
+/// The residual begins as the right side.
+void MassMatrix::solve_scaled(Table& residual,
+                              Table& x,
+                              const Cancellation& cancellation) const {
   constexpr int kMostSteps = 200;
   constexpr double kExact = 1e-28;  // of the squared residual
-  const std::size_t width = right.width;
-  Table residual = right, product{width, std::vector<double>(right.values.size())};
+  const std::size_t width = residual.width;
+  Table product{width, std::vector<double>(residual.values.size())};
   // The diagonal is two fifths of the weights: as good a preconditioner as they are.
   const auto scaled = [&](double value, std::size_t i) {
     return weights_[i] > 0 ? value / weights_[i] : 0;
   };
+  const auto squares_of = [&](const Table& table) {
+    return sum_rows(table.rows(), width, [&](std::size_t i, std::size_t k) {
+      return table.row(i)[k] * scaled(table.row(i)[k], i);
+    });
+  };
+  const std::vector<double> goal = squares_of(residual);
   multiply(x, product);
   update_rows(residual,
               [&](double& value, std::size_t i, std::size_t k) { value -= product.row(i)[k]; });
   Table step = residual;
   update_rows(step,
               [&](double& value, std::size_t i, std::size_t) { value = scaled(value, i); });
-  const auto squares_of = [&](const Table& table) {
-    return sum_rows(table.rows(), width, [&](std::size_t i, std::size_t k) {
-      return table.row(i)[k] * scaled(table.row(i)[k], i);
-    });
-  };
-  const std::vector<double> goal = squares_of(right);
   std::vector<double> squares = squares_of(residual);
   for (int s = 0; s < kMostSteps && !cancellation.requested(); ++s) {
     bool done = true;

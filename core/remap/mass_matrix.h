@@ -31,6 +31,7 @@ class MassMatrix {
   template <class OfCorner>
   void add_corners(std::size_t point, const OfCorner& of_corner) const;
   void multiply(const Table& x, Table& y) const;
+  void solve_scaled(Table& residual, Table& x, const Cancellation& cancellation) const;
 
   const DataMesh& mesh_;
   std::vector<double> volumes_, weights_;
