@@ -49,7 +49,7 @@ void transfer_points(benchmark::State& state, const BenchSize& size) {
     const Table table = table_of({&from.point_data[0]});
     for (auto _ : state) {
       Outside outside;
-      benchmark::DoNotOptimize(sample_at_points(locator, table, to.points, false, outside));
+      benchmark::DoNotOptimize(sample_at_points(locator, table, to.points, false, {}, outside));
     }
   });
   const auto points = static_cast<double>(to.points.size());

@@ -3,11 +3,12 @@
 #include <utility>
 
 #include "core/base/tet_geometry.h"
+#include "core/remap/tet_coordinates.h"
 
 namespace tet {
 namespace {
 
-/// The face opposite each corner.
+/// The face opposite each corner, turned away from it in a tet that is not turned over.
 constexpr std::array<std::array<std::size_t, 3>, 4> kFaces{
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
@@ -95,14 +96,14 @@ std::span<const TetPlaces> CommonPart::of(const TetPlaces& one,
   Pieces *now = pieces_.data(), *next = now + 1;
   now->tet[0] = one;
   now->count = 1;
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    const auto& [i, j, k] = kFaces[corner];
+  // All faces turn inward, or none does: where each said it for itself, those of a tet that is
+  // all rounding could agree on half of space.
+  const double six = six_volumes(other);
+  if (is_flat(other, six)) return {};
+  const double sign = six > 0 ? -1 : 1;
+  for (const auto& [i, j, k] : kFaces) {
     const WorldPoint& on = other[i];
     const Vector normal = cross(from_to(on, other[j]), from_to(on, other[k]));
-    // Inside is where the corner itself is.
-    const double inward = dot(normal, from_to(on, other[corner]));
-    if (!(inward * inward > 0)) return {};
-    const double sign = inward > 0 ? 1 : -1;
     next->count = 0;
     for (std::size_t piece = 0; piece < now->count; ++piece) {
       std::array<double, 4> height{};

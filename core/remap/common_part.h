@@ -16,8 +16,8 @@ using TetPlaces = std::array<WorldPoint, 4>;
 class CommonPart {
  public:
   /// The part of `one` that lies in `other`, as tets that touch each other; they stay until the
-  /// next call. `other` may be turned over; pieces are turned as `one` is. A tet without volume
-  /// has no part of another one.
+  /// next call. `other` may be turned over; pieces are turned as `one` is. A flat tet has no
+  /// part of another one.
   std::span<const TetPlaces> of(const TetPlaces& one, const TetPlaces& other) noexcept;
 
  private:

@@ -115,16 +115,37 @@ class TetFiller {
   TetFiller(const TetLocator& from,
             const MeshTables& old_tables,
             const DataMesh& to,
+            const Cancellation& cancellation,
             Table& per_corner,
             Table& cells)
-      : from_(from), old_(old_tables), to_(to), per_corner_(per_corner), cells_(cells) {}
+      : from_(from),
+        old_(old_tables),
+        to_(to),
+        cancellation_(cancellation),
+        per_corner_(per_corner),
+        cells_(cells) {}
 
-  /// Returns the volume that the tet has in common with the old mesh.
+  /// Returns the volume that the tet has in common with the old mesh: nothing of a flat one,
+  /// whose pieces have a volume by rounding alone, and shares that are no numbers.
   double fill(std::size_t tet) {
     const TetPlaces place = to_.places(tet);
     const double volume = std::abs(six_volumes(place)) / 6;
+    const double common = is_flat(place) ? 0 : add_common(tet, place);
+    if (volume - common > kNothingBeyond * volume) add_beyond(tet, place, volume - common);
+    divide_by(volume, cells_.width == 0 ? std::span<double>{} : cells_.row(tet));
+    return common;
+  }
+
+ private:
+  /// Returns its volume. A large tet touches all old ones: once cancelled it takes no more.
+  double add_common(std::size_t tet, const TetPlaces& place) {
+    constexpr std::uint64_t kBetweenLooks = 1024;
     double common = 0;
+    std::uint64_t visited = 0;
+    bool stops = false;
     from_.visit_touching(box_around(place), [&](std::uint32_t old_tet) {
+      stops = stops || (++visited % kBetweenLooks == 0 && cancellation_.requested());
+      if (stops) return;
       const TetPlaces old_place = from_.mesh().places(old_tet);
       for (const TetPlaces& piece : common_part_.of(place, old_place)) {
         const double part = std::abs(six_volumes(piece)) / 6;
@@ -133,12 +154,9 @@ class TetFiller {
         add_piece(tet, place, old_tet, old_place, piece, part);
       }
     });
-    if (volume - common > kNothingBeyond * volume) add_beyond(tet, place, volume - common);
-    divide_by(volume, cells_.width == 0 ? std::span<double>{} : cells_.row(tet));
     return common;
   }
 
- private:
   static void divide_by(double volume, std::span<double> row) noexcept {
     for (double& value : row) value = volume > 0 ? value / volume : 0;
   }
@@ -182,7 +200,7 @@ class TetFiller {
     for (std::size_t c = 0; c < 4; ++c) {
       ours[c][c] = 1;
       places[c] = from_.find(place[c], near.tet);
-      places[c].shares = usable_shares(from_, places[c]);
+      places[c].shares = usable_shares(from_, place[c], places[c]);
     }
     for (std::size_t k = 0; k < per_corner_.width; ++k) {
       std::array<double, 4> value{};
@@ -223,6 +241,7 @@ class TetFiller {
   const TetLocator& from_;
   const MeshTables& old_;
   const DataMesh& to_;
+  const Cancellation& cancellation_;
   Table& per_corner_;
   Table& cells_;
   CommonPart common_part_;
@@ -254,7 +273,7 @@ ConservativeResult transfer_integrals(const TetLocator& from,
   std::vector<double> common(tets);
   for_each_range(tets, kTetsPerTask, [&](std::size_t begin, std::size_t end) {
     if (cancellation.requested()) return;
-    TetFiller filler(from, old_tables, to, per_corner, result.tables.cells);
+    TetFiller filler(from, old_tables, to, cancellation, per_corner, result.tables.cells);
     for (std::size_t tet = begin; tet < end; ++tet) common[tet] = filler.fill(tet);
   });
   for (const double volume : common) result.common_volume += volume;

@@ -74,14 +74,17 @@ MeshTables transfer_linearly(const TetLocator& locator,
                              const MeshTables& old_tables,
                              const DataMesh& to,
                              bool clamp,
+                             const Cancellation& cancellation,
                              TransferResult& result) {
   MeshTables tables;
   Outside points, cells;
   if (old_tables.points.width > 0) {
-    tables.points = sample_at_points(locator, old_tables.points, to.points, clamp, points);
+    tables.points =
+        sample_at_points(locator, old_tables.points, to.points, clamp, cancellation, points);
   }
   if (old_tables.cells.width > 0) {
-    tables.cells = sample_cells(locator, old_tables.cells, middles_of_cells(to), cells);
+    tables.cells =
+        sample_cells(locator, old_tables.cells, middles_of_cells(to), cancellation, cells);
   }
   tell_outside(points, cells, result);
   return tables;
@@ -126,7 +129,7 @@ absl::StatusOr<TransferResult> transfer(const DataMesh& from,
     }
     tables = std::move(made.tables);
   } else {
-    tables = transfer_linearly(locator, old_tables, to, options.clamp, result);
+    tables = transfer_linearly(locator, old_tables, to, options.clamp, cancellation, result);
   }
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 

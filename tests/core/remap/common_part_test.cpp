@@ -85,5 +85,20 @@ TEST(CommonPart, OfTetsApartOrFlatIsNothing) {
   EXPECT_EQ(volume_of(common.of(one, flat)), 0);
 }
 
+TEST(CommonPart, OfATetThatIsFlatButForRoundingIsNothing) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> share(-1, 2);
+  CommonPart common;
+  for (int i = 0; i < 10000; ++i) {
+    const TetPlaces one = random_tet(random);
+    TetPlaces flat = random_tet(random);
+    const double b = share(random), c = share(random);
+    const WorldPoint &p = flat[0], &q = flat[1], &r = flat[2];
+    flat[3] = {p.x + b * (q.x - p.x) + c * (r.x - p.x), p.y + b * (q.y - p.y) + c * (r.y - p.y),
+               p.z + b * (q.z - p.z) + c * (r.z - p.z)};
+    EXPECT_EQ(volume_of(common.of(one, flat)), 0) << "pair " << i;
+  }
+}
+
 }  // namespace
 }  // namespace tet

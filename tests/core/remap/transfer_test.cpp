@@ -1,8 +1,11 @@
 #include "core/remap/transfer.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -223,6 +226,130 @@ TEST(Transfer, TakesMeshesWithFlatTetsAndUnusedPoints) {
     for (const double value : result.point_data[1].values) EXPECT_TRUE(std::isfinite(value));
     for (const double value : result.cell_data[0].values) EXPECT_TRUE(std::isfinite(value));
   }
+}
+
+/// Two tets that are flat but for rounding, of four points of their own: a tilted
+/// parallelogram, and one that has a corner twice.
+void add_flat_tets(DataMesh& mesh, std::mt19937& random) {
+  std::uniform_real_distribution<double> place(0.05, 0.45);
+  const auto at = [&] { return WorldPoint{place(random), place(random), place(random)}; };
+  const WorldPoint a = at(), b = at(), c = at();
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), {a,
+                                         {a.x + b.x, a.y + b.y, a.z + b.z},
+                                         {a.x + c.x, a.y + c.y, a.z + c.z},
+                                         {a.x + b.x + c.x, a.y + b.y + c.y, a.z + b.z + c.z}});
+  mesh.tets.push_back({first, first + 1, first + 2, first + 3});
+  mesh.tets.push_back({first, first, first + 1, first + 2});
+}
+
+void expect_near(const std::vector<double>& values, const std::vector<double>& wanted) {
+  ASSERT_GE(values.size(), wanted.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(values[i])) << "row " << i;
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    ASSERT_NEAR(values[i], wanted[i], 1e-9) << "row " << i;
+  }
+}
+
+TEST(Transfer, IsTheSameBesideTetsOfTheNewMeshThatAreFlatButForRounding) {
+  const DataMesh from = waves();
+  DataMesh to = box_of_tets(4, 1, 0.2);
+  const TransferResult without = transferred(from, to, kConserve);
+  std::mt19937 random(3);
+  for (int i = 0; i < 30; ++i) add_flat_tets(to, random);
+  const TransferResult with = transferred(from, to, kConserve);
+  for (std::size_t k = 0; k < without.point_data.size(); ++k) {
+    expect_near(with.point_data[k].values, without.point_data[k].values);
+  }
+  for (std::size_t k = 0; k < without.cell_data.size(); ++k) {
+    expect_near(with.cell_data[k].values, without.cell_data[k].values);
+  }
+}
+
+TEST(Transfer, IsTheSameBesideTetsOfTheOldMeshThatAreFlatButForRounding) {
+  DataMesh from = waves();
+  const DataMesh to = box_of_tets(4, 1, 0.2);
+  const TransferResult without = transferred(from, to, kConserve);
+  std::mt19937 random(4);
+  for (int i = 0; i < 200; ++i) add_flat_tets(from, random);
+  for (DataArray& array : from.point_data) array.values.resize(from.points.size(), 7);
+  for (DataArray& array : from.cell_data) array.values.resize(from.tets.size(), 7);
+  const TransferResult with = transferred(from, to, kConserve);
+  for (std::size_t k = 0; k < without.point_data.size(); ++k) {
+    expect_near(with.point_data[k].values, without.point_data[k].values);
+  }
+  for (std::size_t k = 0; k < without.cell_data.size(); ++k) {
+    expect_near(with.cell_data[k].values, without.cell_data[k].values);
+  }
+}
+
+/// One tet at the origin with these values at its corners.
+DataMesh lone_tet(const std::vector<WorldPoint>& corners) {
+  DataMesh mesh;
+  mesh.points = corners;
+  mesh.tets = {{0, 1, 2, 3}};
+  mesh.point_data = {{.name = "corner", .values = {10, 20, 30, 40}}};
+  return mesh;
+}
+
+TEST(Transfer, TakesTheCornerThatIsNearestAndNotTheOneOfTheLargestShare) {
+  const DataMesh from = lone_tet({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  DataMesh to = box_of_tets(1, 1);
+  to.points[0] = {1.5, 0.2, -4};  // whose shares are 3.3, 1.5, 0.2, -4
+  EXPECT_EQ(transferred(from, to).point_data[0].values[0], 20);
+}
+
+TEST(Transfer, DoesNotCarryOnWhatATetSaysThatIsFlatButForRounding) {
+  const DataMesh from = lone_tet({{0, 0, 0}, {1, 0, 1e-15}, {0, 1, 0}, {1, 1, 0}});
+  DataMesh to = box_of_tets(1, 1);
+  to.points[0] = {0.9, 0.1, 0.3};
+  EXPECT_EQ(transferred(from, to).point_data[0].values[0], 20);
+}
+
+TEST(Transfer, ThatConservesTakesNumbersOfAnySize) {
+  constexpr int kPower = 498;  // about 1e150, the largest that a file may have
+  for (const double size : {1e4, 1e-9}) {
+    DataMesh from = box_of_tets(5, size, 0.2);
+    from.point_data = {at_points(from, "wave", [&](const WorldPoint& p) {
+      return wave({p.x / size, p.y / size, p.z / size});
+    })};
+    const DataMesh to = box_of_tets(4, size, 0.2);
+    const std::vector<double> plain = transferred(from, to, kConserve).point_data[0].values;
+    EXPECT_GT(*std::ranges::max_element(plain), 1);
+    for (const int power : {kPower, -kPower}) {
+      DataMesh scaled = from;
+      for (double& value : scaled.point_data[0].values) value = std::ldexp(value, power);
+      std::vector<double> wanted = plain;
+      for (double& value : wanted) value = std::ldexp(value, power);
+      EXPECT_EQ(transferred(scaled, to, kConserve).point_data[0].values, wanted)
+          << "size " << size << ", power " << power;
+    }
+  }
+}
+
+std::size_t looks_of(const DataMesh& from, const DataMesh& to, const TransferOptions& options) {
+  std::atomic<std::size_t> looks = 0;
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(), [&] {
+    ++looks;
+    return false;
+  });
+  TaskPool(2).run([&] { EXPECT_TRUE(transfer(from, to, options, cancellation).ok()); });
+  return looks;
+}
+
+TEST(Transfer, LooksWhetherItIsToStopEveryFewPoints) {
+  const DataMesh to = box_of_tets(13, 1, 0.22);
+  EXPECT_GE(looks_of(waves(), to, {}), (to.points.size() + to.tets.size()) / 16);
+}
+
+TEST(Transfer, LooksWhetherItIsToStopWithinATetThatCoversTheOldMesh) {
+  DataMesh from = box_of_tets(40, 1);
+  from.cell_data = {at_cells(from, "density", wave)};
+  DataMesh to = box_of_tets(1, 1);
+  to.tets = {{0, 1, 2, 4}};
+  EXPECT_GE(looks_of(from, to, kConserve), from.tets.size() / 1024);
 }
 
 TEST(Transfer, RefusesWhatCannotBe) {
