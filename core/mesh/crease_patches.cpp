@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "core/base/loop_in_order.h"
 #include "core/base/parallel.h"
 #include "core/base/rank_mask.h"
 #include "core/base/union_find.h"
@@ -21,14 +22,10 @@ using FaceNumber = std::uint32_t;  ///< among the faces of one label
 constexpr FaceNumber kNoFace = CreasePatches::kNone;
 constexpr std::size_t kFacesPerRange = 1024;
 
-/// Calls `body(i)` for the faces [0, count) one after the other, until work is to stop.
 template <class Body>
 void for_faces(std::uint64_t count, const Cancellation& cancellation, const Body& body) {
-  constexpr std::uint64_t kBetweenLooks = 1 << 16;
-  for (std::uint64_t begin = 0; begin < count && !cancellation.requested();) {
-    const std::uint64_t end = std::min(count, begin + kBetweenLooks);
-    for (; begin < end; ++begin) body(static_cast<FaceNumber>(begin));
-  }
+  for_each_in_order(count, cancellation,
+                    [&](std::uint64_t i) { body(static_cast<FaceNumber>(i)); });
 }
 
 /// Does the same in parallel.
@@ -256,15 +253,18 @@ void PatchFinder::begin_patches(std::uint8_t rings) {
 
 template <class MayTake>
 void PatchFinder::grow(int rings, const MayTake& may_take) {
-  std::vector<FaceNumber> left;
+  // Only beside what the ring before took can a face be taken that was not then: so all rings
+  // together look at a face a few times, however many they are.
+  std::vector<FaceNumber> candidates;
   for_all_faces([&](FaceNumber i) {
-    if (patch_[i] == kNoFace) left.push_back(i);
+    if (patch_[i] == kNoFace) candidates.push_back(i);
   });
   std::vector<std::pair<FaceNumber, FaceNumber>> taken;  // a face and its patch
   for (int ring = 0; ring < rings; ++ring) {
     taken.clear();
-    for_faces(left.size(), cancellation_, [&](FaceNumber at) {
-      const FaceNumber i = left[at];
+    for_faces(candidates.size(), cancellation_, [&](FaceNumber at) {
+      const FaceNumber i = candidates[at];
+      if (patch_[i] != kNoFace) return;
       float most = -std::numeric_limits<float>::infinity();
       FaceNumber best = kNoFace;
       for (const FaceNumber other : faces_.beside(i)) {
@@ -277,8 +277,14 @@ void PatchFinder::grow(int rings, const MayTake& may_take) {
       if (best != kNoFace) taken.emplace_back(i, best);
     });
     if (taken.empty() || cancellation_.requested()) return;
-    for (const auto& [face, patch] : taken) patch_[face] = patch;
-    std::erase_if(left, [&](FaceNumber i) { return patch_[i] != kNoFace; });
+    candidates.clear();
+    for (const auto& [face, patch] : taken) {
+      if (patch_[face] != kNoFace) continue;  // it lies beside two that were taken
+      patch_[face] = patch;
+      for (const FaceNumber other : faces_.beside(face)) {
+        if (other != kNoFace && patch_[other] == kNoFace) candidates.push_back(other);
+      }
+    }
   }
 }
 
