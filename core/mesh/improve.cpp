@@ -20,7 +20,7 @@ struct KnowingMover {
 
   VertexMover::Outcome move(std::uint64_t vertex,
                             std::span<const TetCorner> star,
-                            const WorldPoint& home) noexcept {
+                            const WorldPoint& home) {
     if (!known.stay.empty() && known.stay[vertex] != 0) return {};
     const int level = known.levels.empty() ? 0 : known.levels[vertex];
     return mover.move(vertex, star, home, std::ldexp(1.0, level));

@@ -33,7 +33,7 @@ class PlaceSearch {
 
   /// Whether there is a better place: every tet of the star stays positive, the costliest gets
   /// cheaper, and no angle passes all of the star's own, unless it is within the limit.
-  bool run(const PlaceWanted& wanted) noexcept {
+  bool run(const PlaceWanted& wanted) {
     wanted_ = wanted;
     place_ = wanted.start;
     bound_.range = {
@@ -85,7 +85,7 @@ class PlaceSearch {
   static double length(const Vector& v) noexcept { return std::sqrt(dot(v, v)); }
 
   /// Down the slope of the worst tet, as far as it leads.
-  bool go_downhill(double step) noexcept {
+  bool go_downhill(double step) {
     star_.angles(place_);
     const Vector way = guide_.along(star_.descent(place_, kDifference * wanted_.leaf));
     bool gone = false;
@@ -93,13 +93,13 @@ class PlaceSearch {
     return gone;
   }
 
-  bool go_anywhere(double step) noexcept {
+  bool go_anywhere(double step) {
     static const std::array<Vector, 14> ways = ways_to_go();
     return std::any_of(ways.begin(), ways.end(),
                        [&](const Vector& way) { return go(guide_.along(way), step); });
   }
 
-  bool go(const Vector& way, double step) noexcept {
+  bool go(const Vector& way, double step) {
     const double far = length(way);
     if (!(far > 0) || good()) return false;
     const double scale = step * wanted_.leaf / far;

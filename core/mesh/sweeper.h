@@ -71,7 +71,7 @@ class Sweeper {
   };
 
   template <class Mover>
-  void move(std::uint32_t i, Mover& mover) noexcept {
+  void move(std::uint32_t i, Mover& mover) {
     VertexState& state = states_[i];
     if (state.good) return;
     const std::uint64_t vertex = stars_.vertex(i);

@@ -53,7 +53,7 @@ VertexMover::Freedom VertexMover::freedom_of(std::span<const TetCorner> star,
 VertexMover::Outcome VertexMover::move(std::uint64_t vertex,
                                        std::span<const TetCorner> star,
                                        const WorldPoint& home,
-                                       double leaf) noexcept {
+                                       double leaf) {
   const WorldPoint start = mesh_.stored_position(vertex);
   star_.gather(mesh_, star);
   const AngleRange before = star_.angles(start);

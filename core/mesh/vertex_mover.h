@@ -36,7 +36,7 @@ class VertexMover {
   Outcome move(std::uint64_t vertex,
                std::span<const TetCorner> star,
                const WorldPoint& home,
-               double leaf) noexcept;
+               double leaf);
 
   static constexpr double kReach = 0.5;
 
