@@ -10,24 +10,17 @@
 #include <string>
 #include <vector>
 
+#include "core/base/cancel.h"
+#include "core/mesh/face_search.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
 
-/// A face as one of a tet's four.
-struct TetFace {
-  /// 4 * tet + the corner that the face is opposite of.
-  std::uint64_t index = 0;
-  bool is_interface = false;  ///< the tet is inside, and the one behind it outside
-
-  std::uint64_t tet() const noexcept { return index / 4; }
-  std::size_t opposite() const noexcept { return index % 4; }
-  friend bool operator==(const TetFace&, const TetFace&) = default;
-};
-
 /// The faces that belong to one tet alone, and those between inside and outside, once, as the
-/// inside's. In the order of `index`.
-std::vector<TetFace> find_boundary_faces(const TetMesh& mesh);
+/// inside's; of a mesh with labels those between two of them. In the order of `index`.
+/// Parallel. Once `cancellation` is requested it ends soon, and what it returns means nothing.
+std::vector<TetFace> find_boundary_faces(const TetMesh& mesh,
+                                         const Cancellation& cancellation = {});
 
 /// Labels of the faces of one grid's mesh: the surface, or what lies between both sides, and
 /// then the six faces of the box that the mesh ends at.
@@ -69,10 +62,11 @@ bool has_cut_faces(const MeshHeader& header) noexcept;
 /// Finds the faces of a mesh, and labels them by what it says: its regions, its parts, and the
 /// array `cut_face` of its vertices. Faces where both sides end are those of the face of the
 /// box around all vertices that they are next to: right where the lattice lies along the axes.
-FoundFaces find_faces(const TetMesh& mesh);
+/// Once `cancellation` is requested it ends soon, and what it returns means nothing.
+FoundFaces find_faces(const TetMesh& mesh, const Cancellation& cancellation = {});
 
 /// Writes the columns, and in the header labels and count, of faces that were found in `mesh`,
-/// to `to`: the same mesh, or one that has its types and count of tets.
+/// to `to`: the same mesh, or one that has its types and count of tets. Parallel.
 void set_faces(const FoundFaces& found, const TetMesh& mesh, TetMesh& to);
 
 /// Gives a mesh that has none its faces.

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "core/base/parallel.h"
+
 namespace tet {
 namespace {
 
@@ -13,8 +15,40 @@ namespace {
 /// behind, so that surfaces come before interfaces.
 using LabelPair = std::uint32_t;
 
-LabelPair pair_of(LabelNumber front, LabelNumber behind) noexcept {
-  return (LabelPair{front} << 16) + ((behind + LabelPair{1}) & 0xffffU);
+LabelPair pair_of(const TetMesh& mesh, const TetFace& face) noexcept {
+  const LabelNumber front = mesh.label(face.tet());
+  return (LabelPair{front} << 16) + ((face.behind + LabelPair{1}) & 0xffffU);
+}
+
+void keep_distinct(std::vector<LabelPair>& pairs) {
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+/// All that there are, ascending. Many faces have few of them.
+std::vector<LabelPair> pairs_of(const TetMesh& mesh,
+                                std::span<const TetFace> faces,
+                                const Cancellation& cancellation) {
+  constexpr std::size_t kFacesPerTask = 16384;
+  std::vector<std::vector<LabelPair>> of_range((faces.size() + kFacesPerTask - 1) /
+                                               kFacesPerTask);
+  for_each_index(of_range.size(), [&](std::size_t range) {
+    if (cancellation.requested()) return;
+    const std::size_t begin = range * kFacesPerTask;
+    std::vector<LabelPair> pairs;
+    for (const TetFace& face :
+         faces.subspan(begin, std::min(kFacesPerTask, faces.size() - begin))) {
+      pairs.push_back(pair_of(mesh, face));
+    }
+    keep_distinct(pairs);
+    of_range[range].assign(pairs.begin(), pairs.end());
+  });
+  std::vector<LabelPair> all;
+  for (const std::vector<LabelPair>& pairs : of_range) {
+    all.insert(all.end(), pairs.begin(), pairs.end());
+  }
+  keep_distinct(all);
+  return all;
 }
 
 /// A name that nothing else has so far.
@@ -61,14 +95,8 @@ std::vector<std::string> distinct_names(std::span<const MeshLabel> labels) {
 
 FoundFaces faces_between_labels(const TetMesh& mesh,
                                 std::vector<TetFace> faces,
-                                std::span<const LabelNumber> behind) {
-  std::vector<LabelPair> of_face(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    of_face[i] = pair_of(mesh.label(faces[i].tet()), behind[i]);
-  }
-  std::vector<LabelPair> pairs = of_face;
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+                                const Cancellation& cancellation) {
+  std::vector<LabelPair> pairs = pairs_of(mesh, faces, cancellation);
   if (pairs.size() > kMaxFaceLabels) {
     return {std::move(faces),
             {{.name = "surface", .kind = FaceKind::kSurface},
@@ -77,18 +105,11 @@ FoundFaces faces_between_labels(const TetMesh& mesh,
               return static_cast<std::uint16_t>(face.is_interface ? 1 : 0);
             }};
   }
-  // Faces are in the order of their indices.
-  std::vector<std::pair<std::uint64_t, std::uint16_t>> label_of_face;
-  label_of_face.reserve(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const auto at = std::ranges::lower_bound(pairs, of_face[i]) - pairs.begin();
-    label_of_face.emplace_back(faces[i].index, static_cast<std::uint16_t>(at));
-  }
-  return {std::move(faces), labels_of_pairs(pairs, mesh.header.labels),
-          [all = std::move(label_of_face)](const TetFace& face, const Triangle&) {
-            const auto at = std::ranges::lower_bound(
-                all, face.index, {}, &std::pair<std::uint64_t, std::uint16_t>::first);
-            return at->second;
+  std::vector<FaceLabel> labels = labels_of_pairs(pairs, mesh.header.labels);
+  return {std::move(faces), std::move(labels),
+          [&mesh, pairs = std::move(pairs)](const TetFace& face, const Triangle&) {
+            const auto at = std::ranges::lower_bound(pairs, pair_of(mesh, face));
+            return static_cast<std::uint16_t>(at - pairs.begin());
           }};
 }
 

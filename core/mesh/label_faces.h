@@ -11,20 +11,16 @@
 
 namespace tet {
 
-/// Behind a face that belongs to one tet alone there is no label.
-inline constexpr LabelNumber kNoLabelBehind = 0xffff;
-
 /// The names of labels, no two alike: as they are given, `label_7` of one that has none, and of
 /// those that share a name with their values, `bone_7`.
 std::vector<std::string> distinct_names(std::span<const MeshLabel> labels);
 
 /// Labels of faces by what lies on both sides: `bone_surface` where a label ends, `bone_marrow`
 /// where two meet, the lower value first. More pairs than a mesh has labels of faces for are
-/// told apart as `surface` and `interface` alone.
-///
-/// `behind` is the label behind each of `faces`, which belong to the tet with the lower one.
+/// told apart as `surface` and `interface` alone. `faces` belong to the tet with the lower one.
+/// Parallel; once `cancellation` is requested it ends soon, and what it returns means nothing.
 FoundFaces faces_between_labels(const TetMesh& mesh,
                                 std::vector<TetFace> faces,
-                                std::span<const LabelNumber> behind);
+                                const Cancellation& cancellation);
 
 }  // namespace tet

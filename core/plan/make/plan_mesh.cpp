@@ -6,6 +6,7 @@
 #include <absl/strings/str_format.h>
 
 #include "core/mesh/find_faces.h"
+#include "core/mesh/label_faces.h"
 #include "core/plan/brick/plan_bricks.h"
 #include "core/plan/budget.h"
 #include "core/plan/faced_plan.h"
@@ -39,8 +40,12 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> improve_plan(
                                               statistics_of(job.request));
 }
 
-absl::Status check_faces_budget(const MeshHeader& header, const MeshLimits& limits) {
-  const std::uint64_t bytes = ChunkSizes(header, whole_of(header)).total();
+/// The mesh is whole while its faces are searched for, which takes memory of its own: all of it
+/// is known once those that may be faces are counted.
+absl::Status check_faces_budget(const MeshHeader& header,
+                                std::uint64_t search_bytes,
+                                const MeshLimits& limits) {
+  const std::uint64_t bytes = ChunkSizes(header, whole_of(header)).total() + search_bytes;
   if (bytes <= limits.max_plan_bytes) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrFormat(
       "finding the faces between labels of %d vertices and %d tets would take %d bytes; the "
@@ -63,12 +68,18 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_with_labels(
   if (job.request.faces) job.limits.chunk_bytes /= 3;
   auto plan = plan_improved_labels(job, cancellation);
   if (!plan.ok() || !job.request.faces) return plan;
-  if (auto status = check_faces_budget((*plan)->header(), job.limits); !status.ok()) {
-    return status;
-  }
+  const MeshHeader& header = (*plan)->header();
+  const std::uint64_t least = FaceSearch::bytes_of(header.vertex_count, 0);
+  if (auto status = check_faces_budget(header, least, job.limits); !status.ok()) return status;
   absl::StatusOr<FilledMesh> filled = fill_mesh(**plan, cancellation, nullptr);
   if (!filled.ok()) return filled.status();
-  add_faces(filled->mesh);
+  TetMesh& mesh = filled->mesh;
+  FaceSearch search(mesh, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  if (auto status = check_faces_budget(header, search.bytes(), job.limits); !status.ok()) {
+    return status;
+  }
+  set_faces(faces_between_labels(mesh, search.find(), cancellation), mesh, mesh);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   return std::make_shared<const FacedPlan>(*std::move(plan), std::move(filled->mesh));
 }

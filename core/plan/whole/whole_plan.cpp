@@ -70,7 +70,7 @@ void count_chunks(std::size_t chunk_bytes, MeshHeader& header) {
 void find_faces_of(const Scene* scene, const Cancellation& cancellation, WholeMesh& whole) {
   const std::vector<CutFaces>& faces = whole.vertex_faces;
   FoundFaces found{
-      find_boundary_faces(whole.mesh), whole.mesh.header.face_labels,
+      find_boundary_faces(whole.mesh, cancellation), whole.mesh.header.face_labels,
       [&](const TetFace&, const Triangle& triangle) {
         const unsigned shared =
             faces.empty() ? 0U : faces[triangle[0]] & faces[triangle[1]] & faces[triangle[2]];

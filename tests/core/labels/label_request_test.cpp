@@ -15,6 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/mesh/face_search.h"
 #include "core/mesh/quality.h"
 #include "core/plan/labelled/label_numbers.h"
 #include "core/plan/make/mesher.h"
@@ -308,6 +309,33 @@ TEST(LabelRequest, IsRefusedBeforeMemoryIsTakenForIt) {
   request.spacing = 1e-300;
   EXPECT_EQ(mesh_labels(columns_of_voxels(), request).status().code(),
             absl::StatusCode::kInvalidArgument);
+}
+
+/// Between labels that meet everywhere there are more faces than tets, and what may be one is
+/// kept until it is known.
+TEST(LabelRequest, IsRefusedWhereTheSearchForItsFacesTakesMoreMemoryThanThereIs) {
+  const Shape shape = random_voxels(3, 40);
+  MeshRequest request = request_for({.mesh_background = true});
+  request.levels = 0;
+  request.spacing = 0.5;
+  const auto plain = mesh_labels(shape, request);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  request.faces = true;
+  const MeshHeader& header = plain->mesh.header;
+  const std::uint64_t mesh_bytes = ChunkSizes(header, whole_of(header)).total();
+  TaskPool pool(2);
+  const auto with_limit = [&](std::uint64_t bytes) {
+    return mesh_volume(
+               pool, {.shape = shape, .request = request, .limits = {.max_plan_bytes = bytes}})
+        .status();
+  };
+  const absl::Status refused =
+      with_limit(mesh_bytes + FaceSearch::bytes_of(header.vertex_count, 0));
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("finding the faces between labels"));
+  EXPECT_TRUE(
+      with_limit(mesh_bytes + FaceSearch::bytes_of(header.vertex_count, 4 * header.tet_count))
+          .ok());
 }
 
 /// Each transform with each kernel and with each number of labels, and each kernel with each of

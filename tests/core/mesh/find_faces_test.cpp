@@ -1,6 +1,8 @@
 #include "core/mesh/find_faces.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -199,6 +201,55 @@ TEST(FindFaces, NamesThemByTheirPartsWhereThereAreSeveral) {
   EXPECT_EQ(labels_of(mesh),
             (std::map<std::string, int>{{"femur_surface", 4}, {"tibia_surface", 4}}));
   EXPECT_EQ(mesh.header.face_labels[1].part, 2U);
+}
+
+/// Every tet has another label than those beside it.
+TetMesh with_a_label_each(TetMesh mesh) {
+  constexpr std::uint64_t kLabels = 30;
+  mesh.header.labels.resize(kLabels);
+  mesh.regions = ByteBuffer(mesh.header.tet_count * sizeof(LabelNumber));
+  for (std::uint64_t tet = 0; tet < mesh.header.tet_count; ++tet) {
+    const auto number = static_cast<LabelNumber>(tet % kLabels);
+    std::memcpy(mesh.regions.bytes().data() + tet * sizeof(number), &number, sizeof(number));
+  }
+  return mesh;
+}
+
+TEST(FaceSearch, SaysWhatItTakesOfMemoryByWhatMayBeAFace) {
+  const TetMesh plain = kuhn_mesh(12), labelled = with_a_label_each(kuhn_mesh(12));
+  const std::uint64_t tets = plain.header.tet_count, vertices = plain.header.vertex_count;
+  const Cancellation never;
+  EXPECT_LT(FaceSearch(plain, never).bytes(), FaceSearch::bytes_of(vertices, tets));
+  EXPECT_EQ(FaceSearch(labelled, never).bytes(), FaceSearch::bytes_of(vertices, 4 * tets));
+  EXPECT_GT(FaceSearch::bytes_of(vertices, 4 * tets), 16 * vertices + 40 * 4 * tets);
+}
+
+TEST(FaceSearch, LooksOftenWhetherItIsToStop) {
+  const TetMesh mesh = with_a_label_each(kuhn_mesh(48));
+  std::atomic<std::uint64_t> looks = 0;
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(), [&] {
+    ++looks;
+    return false;
+  });
+  const FoundFaces found = find_faces(mesh, cancellation);
+  const std::uint64_t tets = mesh.header.tet_count;
+  EXPECT_GT(found.faces.size(), 2 * tets);
+  // Three times over the tets, and over what may be faces three times, and once over these.
+  EXPECT_GE(looks, 3 * tets / 16384 + 3 * 4 * tets / 65536);
+}
+
+/// Whatever was done by then is let go of.
+TEST(FaceSearch, StopsWherever) {
+  const TetMesh mesh = with_a_label_each(kuhn_mesh(20));
+  for (std::uint64_t most = 0; most < 40; ++most) {
+    std::atomic<std::uint64_t> looks = 0;
+    const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                    [&] { return ++looks > most; });
+    const FoundFaces found = find_faces(mesh, cancellation);
+    TetMesh with(mesh.header);
+    set_faces(found, mesh, with);
+    EXPECT_TRUE(cancellation.requested() || !found.faces.empty());
+  }
 }
 
 TEST(CheckFaces, TakesTheFacesOfItsTetsAndNoOthers) {
