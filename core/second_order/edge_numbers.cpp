@@ -6,6 +6,7 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_format.h>
 
+#include "core/base/loop_in_order.h"
 #include "core/base/parallel.h"
 #include "core/second_order/middle_nodes.h"
 
@@ -33,19 +34,22 @@ struct HigherVertices {
   }
 };
 
-HigherVertices gather(const MeshView& mesh, std::uint64_t vertex_count) {
-  const std::uint64_t tets = mesh.tet_count();
+/// Once cancelled it is of no use.
+HigherVertices gather(const MeshView& mesh,
+                      std::uint64_t vertex_count,
+                      const Cancellation& cancellation) {
   std::vector<std::uint32_t> count(vertex_count);
   const auto visit_edges = [&](const auto& visit) {
-    for (std::uint64_t i = 0; i < tets; ++i) {
+    for_each_in_order(mesh.tet_count(), cancellation, [&](std::uint64_t i) {
       const auto tet = mesh.tet(i);
       for (const auto& [a, b] : kTetEdges)
         visit(std::min(tet[a], tet[b]), std::max(tet[a], tet[b]));
-    }
+    });
   };
   visit_edges([&](std::uint64_t low, std::uint64_t) { ++count[low]; });
   HigherVertices found;
   found.first = offsets_from_counts(vertex_count, [&](std::size_t v) { return count[v]; });
+  if (cancellation.requested()) return found;  // there may be too little room
   found.vertices.resize(found.first.back());
   std::vector<std::uint64_t> next(found.first.begin(), found.first.end() - 1);
   visit_edges([&](std::uint64_t low, std::uint64_t high) {
@@ -63,9 +67,12 @@ std::uint32_t EdgeNumbers::find(std::uint64_t a, std::uint64_t b) const noexcept
   return static_cast<std::uint32_t>(std::lower_bound(begin, end, high) - higher.begin());
 }
 
-absl::StatusOr<EdgeNumbers> number_edges(const MeshView& mesh, std::uint64_t vertex_count) {
+absl::StatusOr<EdgeNumbers> number_edges(const MeshView& mesh,
+                                         std::uint64_t vertex_count,
+                                         const Cancellation& cancellation) {
   if (vertex_count > kMost) return too_many("vertices", vertex_count);
-  HigherVertices found = gather(mesh, vertex_count);
+  HigherVertices found = gather(mesh, vertex_count, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   std::vector<std::uint32_t> count(vertex_count);
   for_each_index(
       vertex_count,

@@ -7,6 +7,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/base/cancel.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -30,7 +31,10 @@ struct EdgeNumbers {
 };
 
 /// Counts, then fills. Parallel; one value for any number of threads. Errors:
-/// kResourceExhausted (more vertices or edges than a number of 32 bits counts).
-absl::StatusOr<EdgeNumbers> number_edges(const MeshView& mesh, std::uint64_t vertex_count);
+/// kResourceExhausted (more vertices or edges than a number of 32 bits counts), kCancelled,
+/// kDeadlineExceeded.
+absl::StatusOr<EdgeNumbers> number_edges(const MeshView& mesh,
+                                         std::uint64_t vertex_count,
+                                         const Cancellation& cancellation = {});
 
 }  // namespace tet

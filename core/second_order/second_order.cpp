@@ -141,7 +141,8 @@ absl::StatusOr<MiddleNodes> make_second_order(const TetMesh& mesh,
                                               const Shape& shape,
                                               const MeshRequest& request,
                                               const Cancellation& cancellation) {
-  absl::StatusOr<EdgeNumbers> edges = number_edges(mesh.view(), mesh.header.vertex_count);
+  absl::StatusOr<EdgeNumbers> edges =
+      number_edges(mesh.view(), mesh.header.vertex_count, cancellation);
   if (!edges.ok()) return edges.status();
   CurvedEdges curved(mesh, *edges, surface_triangles(mesh));
   if (auto status = bend_all(mesh, shape, request, cancellation, curved); !status.ok()) {

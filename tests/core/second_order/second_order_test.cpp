@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -12,6 +13,7 @@
 
 #include "core/base/parallel.h"
 #include "core/fidelity/surface_triangles.h"
+#include "core/field/world_phi.h"
 #include "core/plan/make/mesher.h"
 #include "core/second_order/curved_edges.h"
 #include "core/second_order/measure_curved.h"
@@ -183,20 +185,54 @@ TEST(SecondOrder, CurvesTheInterfaceOfBothSides) {
   EXPECT_NEAR(measure_curved(both.mesh, both.middles).volume, exact, 0.005 * exact);
 }
 
+/// Not at the equator, where phi's slope lies in the box's face anyway.
 TEST(SecondOrder, KeepsTheFacesOfABoxFlat) {
-  MeshRequest request = at_spacing(0.2);
-  request.box = WorldBox{{-2, -2, 0}, {2, 2, 2}};
-  const Curved half = curved(ball_scene(), request);
-  expect_positive(half);
-  const MeshHeader& header = half.mesh.header;
+  MeshRequest request = at_spacing(0.05);
+  request.box = WorldBox{{-2, -2, 0.5}, {2, 2, 2}};
+  const Curved cap = curved(ball_scene(), request);
+  expect_positive(cap);
+  const MeshHeader& header = cap.mesh.header;
+  ASSERT_TRUE(header.box);
+  const double cut = header.box->min.z;
+  EXPECT_GT(cut, 0.15);
   double lowest = 1;
-  for (std::uint64_t i = 0; i < half.middles.count; ++i) {
-    lowest = std::min(lowest, half.middles.stored_position(header, i).z + header.origin.z);
+  for (std::uint64_t i = 0; i < cap.middles.count; ++i) {
+    lowest = std::min(lowest, cap.middles.stored_position(header, i).z + header.origin.z);
   }
-  EXPECT_NEAR(lowest, 0, 1e-6);
-  const double exact = 2.0 / 3 * kPi;
-  EXPECT_NEAR(measure_curved(half.mesh, half.middles).volume, exact,
-              std::abs(straight_volume(half.mesh) - exact) / 5);
+  EXPECT_NEAR(lowest, cut, 1e-6);
+  const double exact = kPi * (2.0 / 3 - cut + cut * cut * cut / 3);
+  EXPECT_NEAR(measure_curved(cap.mesh, cap.middles).volume, exact,
+              std::abs(straight_volume(cap.mesh) - exact) / 5);
+}
+
+TEST(SecondOrder, BendsEachOfSeveralGridsToItsOwnSurface) {
+  GridList balls;
+  double exact = 0;
+  for (const double radius : {10.0, 14.0}) {
+    Volume ball = test::ball(radius);
+    ball.name = radius < 12 ? "small" : "large";
+    balls.push_back(std::make_shared<const Volume>(std::move(ball)));
+    exact += 4.0 / 3 * kPi * radius * radius * radius;
+  }
+  const Curved both = curved(balls, at_spacing(3));
+  expect_positive(both);
+  EXPECT_EQ(both.mesh.header.parts.size(), 2U);
+  EXPECT_LT(std::abs(measure_curved(both.mesh, both.middles).volume - exact),
+            std::abs(straight_volume(both.mesh) - exact) / 4);
+}
+
+TEST(SecondOrder, GoesWithImprovementAndGradedSurfaces) {
+  MeshRequest improved = at_spacing(0.2), graded = at_spacing(0.1);
+  improved.improve = true;
+  graded.sizing.grade_surface = true;
+  graded.sizing.coarsest = 0.2;
+  for (const MeshRequest& request : {improved, graded}) {
+    const Curved ball = curved(ball_scene(), request);
+    expect_positive(ball);
+    const double exact = 4.0 / 3 * kPi;
+    EXPECT_LT(std::abs(measure_curved(ball.mesh, ball.middles).volume - exact),
+              std::abs(straight_volume(ball.mesh) - exact) / 10);
+  }
 }
 
 TEST(SecondOrder, HasTheSameBytesForAnyNumberOfThreads) {
@@ -219,6 +255,20 @@ TEST(SecondOrder, GivesMiddleNodesTheValuesOfFields) {
   const Shape ball = std::make_shared<const Volume>(test::ball(12));
   const Curved found = curved(ball, request);
   ASSERT_EQ(found.middles.fields.size(), found.middles.count * sizeof(float));
+  const Volume same = test::ball(13);
+  PhiField field;
+  field.volume = &same;
+  WorldPhi heat_at(field, 1);
+  const MeshHeader& header = found.mesh.header;
+  for (std::uint64_t i = 0; i < found.middles.count; ++i) {
+    const WorldPoint p = found.middles.stored_position(header, i);
+    float value = 0;
+    std::memcpy(&value, found.middles.fields.bytes().data() + i * sizeof(value), sizeof(value));
+    ASSERT_NEAR(
+        value,
+        heat_at.at({header.origin.x + p.x, header.origin.y + p.y, header.origin.z + p.z}), 1e-4)
+        << "node " << i;
+  }
   MeshRequest without = request;
   without.fields.clear();
   const MiddleNodes averaged = middles_of(found.mesh, ball, without);
@@ -234,8 +284,7 @@ TEST(SecondOrder, NeedsNoGridOfSizes) {
   sized.sizing.grid = SizingGrid{};  // which is loaded no more once the mesh is made
   const MiddleNodes middles = middles_of(found.mesh, ball, sized);
   EXPECT_GT(middles.curved, 0U);
-  EXPECT_TRUE(
-      std::ranges::equal(middles.positions.bytes(), found.middles.positions.bytes()));
+  EXPECT_TRUE(std::ranges::equal(middles.positions.bytes(), found.middles.positions.bytes()));
 }
 
 TEST(SecondOrder, OfNothingIsNothing) {
