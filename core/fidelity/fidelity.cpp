@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/loop_in_order.h"
 #include "core/base/parallel.h"
 #include "core/base/tet_geometry.h"
 #include "core/fidelity/measured_mesh.h"
@@ -96,18 +97,20 @@ struct MeshSurface {
 
 MeshSurface mesh_surface(const MeasuredMesh& mesh,
                          std::uint64_t first_vertex,
-                         std::uint64_t vertex_count) {
+                         std::uint64_t vertex_count,
+                         const Cancellation& cancellation) {
   const WorldPoint& origin = mesh.header.origin;
   const auto vertex = [&](std::uint64_t i) {
     const WorldPoint stored = mesh.places.stored_position(i);
     return WorldPoint{origin.x + stored.x, origin.y + stored.y, origin.z + stored.z};
   };
   MeshSurface surface;
-  for (const Triangle& t : mesh.surface) {
-    if (t[0] < first_vertex || t[0] - first_vertex >= vertex_count) continue;
+  for_each_in_order(mesh.surface.size(), cancellation, [&](std::uint64_t i) {
+    const Triangle& t = mesh.surface[i];
+    if (t[0] < first_vertex || t[0] - first_vertex >= vertex_count) return;
     surface.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
     surface.area += area_of(surface.triangles.back());
-  }
+  });
   return surface;
 }
 
@@ -137,7 +140,12 @@ struct ChosenTriangles {
   std::vector<std::size_t> even, suspects;
 };
 
-ChosenTriangles choose(const MeshSurface& surface, const PhiField& field, double spacing) {
+/// Once cancelled any: phi of a scene may take a tenth of a millisecond a point.
+ChosenTriangles choose(const MeshSurface& surface,
+                       const PhiField& field,
+                       double spacing,
+                       const Cancellation& cancellation) {
+  constexpr std::size_t kBetweenLooks = 256;
   const std::size_t count = surface.triangles.size();
   ChosenTriangles chosen;
   const std::size_t most = kFidelitySamples / kPointsPerTriangle;
@@ -149,9 +157,11 @@ ChosenTriangles choose(const MeshSurface& surface, const PhiField& field, double
   for_each_range(count, 4096, [&](std::size_t begin, std::size_t end) {
     NearestZero zero(field, spacing);
     for (std::size_t i = begin; i < end; ++i) {
+      if ((i - begin) % kBetweenLooks == 0 && cancellation.requested()) return;
       off[i] = {-std::abs(zero.phi_at(middle_of(surface.triangles[i]))), i};
     }
   });
+  if (cancellation.requested()) return chosen;
   std::ranges::nth_element(off, off.begin() + kSuspects);
   std::sort(off.begin(), off.begin() + kSuspects);
   for (std::size_t i = 0; i < kSuspects; ++i) chosen.suspects.push_back(off[i].second);
@@ -166,14 +176,14 @@ class FromMesh {
 
   /// What is found is of no use once it is cancelled.
   SurfaceDistance measure(const MeshSurface& surface, const Cancellation& cancellation) const {
-    const ChosenTriangles chosen = choose(surface, field_, spacing_);
+    const ChosenTriangles chosen = choose(surface, field_, spacing_, cancellation);
     const auto& even = chosen.even;
     const auto& suspects = chosen.suspects;
     std::vector<Found> found(even.size() + suspects.size());
     for_each_range(found.size(), kPerRange, [&](std::size_t begin, std::size_t end) {
-      if (cancellation.requested()) return;
       NearestZero zero(field_, spacing_);
       for (std::size_t i = begin; i < end; ++i) {
+        if (cancellation.requested()) return;  // one takes hundreds of points of phi
         const bool counts = i < even.size();
         const std::size_t triangle = counts ? even[i] : suspects[i - even.size()];
         found[i] = measure(surface.triangles[triangle], counts ? 1 : 0, zero);
@@ -265,7 +275,9 @@ absl::StatusOr<Fidelity> measure_part(const MeasuredMesh& mesh,
   const absl::StatusOr<TrueSurface> truth = find_true_surface(
       sampled->field, sampled->bricks, sampled->domain, kFidelitySamples, cancellation);
   if (!truth.ok()) return truth.status();
-  const MeshSurface surface = mesh_surface(mesh, part.first_vertex, part.vertex_count);
+  const MeshSurface surface =
+      mesh_surface(mesh, part.first_vertex, part.vertex_count, cancellation);
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
   const double spacing = prepared.asked.spacing;
   Fidelity fidelity{
       .spacing = spacing,

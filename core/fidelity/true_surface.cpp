@@ -292,10 +292,10 @@ absl::StatusOr<TrueSurface> find_true_surface(const PhiField& field,
 
   std::vector<RunShare> runs((bricks.size() + kBricksPerRange - 1) / kBricksPerRange);
   for_each_index(runs.size(), [&](std::size_t r) {
-    if (cancellation.requested()) return;
     BrickSurface surface(field);
     const std::size_t end = std::min(bricks.size(), (r + 1) * kBricksPerRange);
     for (std::size_t i = r * kBricksPerRange; i < end; ++i) {
+      if (cancellation.requested()) return;
       const std::size_t most = i % every == 0 ? per_brick : 0;
       const BrickShare share = surface.find(bricks[i], origin, most, runs[r].points);
       runs[r].sums.area += share.area;

@@ -1,6 +1,8 @@
 // The report on a mesh's surface, held against solids whose answers are known.
 #include "core/fidelity/fidelity.h"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -9,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.h"
+#include "core/fidelity/surface_triangles.h"
 #include "core/plan/make/mesher.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
@@ -203,6 +206,24 @@ TEST(Fidelity, HoldsEachOfSeveralGridsAgainstItsOwn) {
     EXPECT_NEAR(*found[i].enclosed_volume, exact, 0.01 * exact);
     EXPECT_LT(found[i].hausdorff(), 0.3);
   }
+}
+
+TEST(Fidelity, LooksAtEachTriangleThatItMeasuresWhetherItIsToStop) {
+  const Shape ball = ball_scene(1);
+  const MeshRequest request = at_spacing(0.03);
+  const TetMesh mesh = mesh_of(ball, request);
+  const std::size_t triangles = surface_triangles(mesh).size();
+  constexpr std::size_t kMeasured = kFidelitySamples / 7;
+  ASSERT_GT(triangles, 2 * kMeasured) << "few of them are measured";
+  std::atomic<std::size_t> looks = 0;
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(), [&] {
+    ++looks;
+    return false;
+  });
+  TaskPool(2).run(
+      [&] { EXPECT_TRUE(measure_fidelity(mesh, ball, request, cancellation).ok()); });
+  // And now and then while phi is asked of all, to know which are likely to be the worst.
+  EXPECT_GE(looks, kMeasured + triangles / 256);
 }
 
 TEST(Fidelity, IsTheSameForAnyNumberOfThreads) {
