@@ -12,6 +12,8 @@
 #include "core/base/scratch_pool.h"
 #include "core/fidelity/measured_mesh.h"
 #include "core/fidelity/tet_sums.h"
+#include "core/field/find_bricks.h"
+#include "core/plan/budget.h"
 #include "core/plan/fill_watch.h"
 #include "core/plan/mesh_workspace.h"
 
@@ -24,6 +26,30 @@ namespace {
 constexpr std::uint64_t kBytesPerFace = 448;
 /// Points on both surfaces, whatever the mesh.
 constexpr std::uint64_t kSampleBytes = std::uint64_t{16} << 20;
+/// A brick that phi's surface is looked for in: while bricks are found, and in three lists.
+constexpr std::uint64_t kBytesPerMeasuredBrick = kBytesPerFoundBrick + 3 * sizeof(BrickCoord);
+
+/// Where the lattice is coarser than a grid's voxels, their bricks are looked through.
+std::uint64_t finer_bricks_of(const Volume& volume, double spacing) noexcept {
+  constexpr double kSameSpacing = 1e-6;
+  const bool is_coarser = spacing > (1 + kSameSpacing) * volume.transform.voxel_size;
+  return is_coarser ? std::min<std::uint64_t>(kMaxSurfaceBricks, volume.bricks.size()) : 0;
+}
+
+/// Bricks that phi's surface is looked for in; one grid's part is measured after the other.
+std::uint64_t measured_bricks(const MeshPlan& plan) noexcept {
+  std::uint64_t finer = 0;
+  if (const Volume* const volume = volume_of(plan.shape())) {
+    finer = finer_bricks_of(*volume, plan.header().spacing);
+  }
+  if (const GridList* const grids = grids_of(plan.shape())) {
+    const auto& parts = plan.header().parts;
+    for (std::size_t i = 0; i < std::min(grids->size(), parts.size()); ++i) {
+      finer = std::max(finer, finer_bricks_of(*(*grids)[i], parts[i].spacing));
+    }
+  }
+  return plan.surface_bricks() + finer;
+}
 
 /// One task's chunk, whose memory its next one uses again.
 struct Scratch {
@@ -108,10 +134,11 @@ class PlanMeasure {
 
 }  // namespace
 
-std::uint64_t fidelity_bytes(const MeshHeader& header, int threads) noexcept {
+std::uint64_t fidelity_bytes(const MeshPlan& plan, int threads) noexcept {
+  const MeshHeader& header = plan.header();
   return ChunkSizes(header, whole_of(header)).positions + kBytesPerFace * header.face_count +
-         sizeof(TetSums) * header.chunk_count + kSampleBytes +
-         static_cast<std::uint64_t>(std::max(1, threads)) * 2 * kChunkBytes;
+         kBytesPerMeasuredBrick * measured_bricks(plan) + sizeof(TetSums) * header.chunk_count +
+         kSampleBytes + static_cast<std::uint64_t>(std::max(1, threads)) * 2 * kChunkBytes;
 }
 
 absl::StatusOr<MeshFidelity> fidelity_of(const MeshPlan& plan,
@@ -129,11 +156,13 @@ absl::StatusOr<MeshFidelity> fidelity_of(const MeshPlan& plan,
   return MeshFidelity{*std::move(parts), summary_of(sums.shapes())};
 }
 
-double fidelity_seconds(const MeshHeader& header, double fill_seconds, int threads) noexcept {
+double fidelity_seconds(const MeshPlan& plan, double fill_seconds, int threads) noexcept {
   // Found with faces_bench's meshes, seconds of one thread.
-  constexpr double kPerSamples = 0.25, kPerFace = 4e-6, kPerTet = 2.5e-7;
+  constexpr double kPerSamples = 0.25, kPerFace = 4e-6, kPerTet = 2.5e-7, kPerBrick = 3e-5;
+  const MeshHeader& header = plan.header();
   const double alone = kPerSamples + kPerFace * static_cast<double>(header.face_count) +
-                       kPerTet * static_cast<double>(header.tet_count);
+                       kPerTet * static_cast<double>(header.tet_count) +
+                       kPerBrick * static_cast<double>(measured_bricks(plan));
   return 2 * fill_seconds + alone / std::max(1, threads);
 }
 

@@ -12,8 +12,9 @@
 
 namespace tet {
 
-/// Memory that measuring a mesh takes, bytes: its vertices, and what is known of each face.
-std::uint64_t fidelity_bytes(const MeshHeader& header, int threads) noexcept;
+/// Memory that measuring a mesh takes, bytes: its vertices, what is known of each face, and the
+/// bricks that phi's surface is looked for in.
+std::uint64_t fidelity_bytes(const MeshPlan& plan, int threads) noexcept;
 
 /// Makes all chunks of a plan, which has faces, twice: for its vertices and its faces, and then
 /// for its tets. What it says is what it would say of the mesh in memory, to the last bit.
@@ -23,6 +24,6 @@ absl::StatusOr<MeshFidelity> fidelity_of(const MeshPlan& plan,
                                          const Cancellation& cancellation);
 
 /// About how long that takes where all chunks are made in `fill_seconds` on so many threads.
-double fidelity_seconds(const MeshHeader& header, double fill_seconds, int threads) noexcept;
+double fidelity_seconds(const MeshPlan& plan, double fill_seconds, int threads) noexcept;
 
 }  // namespace tet

@@ -22,10 +22,8 @@ constexpr std::uint64_t survey_bytes_per_brick(const StuffingRules& rules) noexc
               sizeof(SurfaceCounts) + sizeof(SurfaceSheet) + fans);
 }
 
-/// Memory that a brick takes until it is surveyed, bytes: lists of them are held twice while
-/// they grow and while they are sorted, and graded surfaces keep another with a mask of cells.
-constexpr std::uint64_t kBytesPerFoundBrick = 128;
-/// And where its nodes' states are kept until none has to be restored.
+/// Memory that one takes besides where its nodes' states are kept until none has to be
+/// restored.
 constexpr std::uint64_t kManifoldBytesPerFoundBrick = 640;
 
 }  // namespace

@@ -19,6 +19,9 @@ namespace tet {
 inline constexpr double kTetSlack = 8;
 /// Memory that an octree's brick takes with its nodes and counts, bytes.
 inline constexpr double kBytesPerBrick = 400;
+/// Memory that a brick takes until it is surveyed, bytes: lists of them are held twice while
+/// they grow and while they are sorted, and graded surfaces keep another with a mask of cells.
+inline constexpr std::uint64_t kBytesPerFoundBrick = 128;
 
 /// Bricks near the surface that can be kept while the mesh is counted.
 std::size_t most_surface_bricks(const StuffingRules& rules, const MeshLimits& limits);

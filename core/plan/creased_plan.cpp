@@ -12,7 +12,8 @@ MeshFacts facts_with_labels(const MeshPlan& plan, std::vector<FaceLabel> labels)
                   .thin_walls = plan.thin_walls(),
                   .statistics = plan.statistics(),
                   .boundary = plan.boundary(),
-                  .improvement = plan.improvement()};
+                  .improvement = plan.improvement(),
+                  .surface_bricks = plan.surface_bricks()};
   facts.header.face_labels = std::move(labels);
   return facts;
 }

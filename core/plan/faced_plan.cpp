@@ -12,7 +12,8 @@ MeshFacts facts_with_faces(const MeshPlan& plan, const MeshHeader& with_faces) {
                   .thin_walls = plan.thin_walls(),
                   .statistics = plan.statistics(),
                   .boundary = plan.boundary(),
-                  .improvement = plan.improvement()};
+                  .improvement = plan.improvement(),
+                  .surface_bricks = plan.surface_bricks()};
   facts.header.face_labels = with_faces.face_labels;
   facts.header.face_count = with_faces.face_count;
   return facts;

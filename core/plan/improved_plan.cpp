@@ -18,7 +18,8 @@ MeshFacts facts_of_improved(const MeshPlan& plan,
           .thin_walls = plan.thin_walls(),
           .statistics = statistics,
           .boundary = plan.boundary(),
-          .improvement = improvement};
+          .improvement = improvement,
+          .surface_bricks = plan.surface_bricks()};
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ struct MeshFacts {
   Statistics statistics = Statistics::kMeasured;
   std::optional<BoundaryTopology> boundary = {};
   std::optional<Improvement> improvement = {};
+  /// See MeshPlan::surface_bricks.
+  std::uint64_t surface_bricks = 0;
 };
 
 /// The counted mesh of one (shape, request), of any kind: a new kind of mesh derives from this.
@@ -46,6 +48,10 @@ class MeshPlan {
   const std::optional<BoundaryTopology>& boundary() const noexcept { return facts_.boundary; }
   /// What the improvement did, where the request asks for one, and nothing otherwise.
   const std::optional<Improvement>& improvement() const noexcept { return facts_.improvement; }
+  /// Bricks of finest cells near the surface that there were to look at; of several grids the
+  /// most that one has. A surface of large leaves has far fewer faces than these say. None of
+  /// labels.
+  std::uint64_t surface_bricks() const noexcept { return facts_.surface_bricks; }
 
   virtual ChunkExtent chunk(std::uint64_t index) const noexcept = 0;
 

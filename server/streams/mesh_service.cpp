@@ -107,10 +107,9 @@ class Estimate final : public grpc::ServerUnaryReactor,
   void tell(const PlannedMesh& planned) {
     to_proto(planned.plan->header(), response_);
     const double fill = estimate_fill(*planned.plan, watch_->cancellation, kTrying).seconds;
-    const double check =
-        order_.request.fidelity
-            ? fidelity_seconds(planned.plan->header(), fill, engine_.pool.threads())
-            : 0;
+    const double check = order_.request.fidelity
+                             ? fidelity_seconds(*planned.plan, fill, engine_.pool.threads())
+                             : 0;
     response_.set_fill_seconds(fill + check);
     v1::MeshRequest& canonical = *response_.mutable_canonical_request();
     canonical = planned.canonical;

@@ -126,7 +126,7 @@ void MeshStream::find_patches() {
 absl::Status MeshStream::reserve_for_fidelity() {
   if (!order_.mesh.request.fidelity) return absl::OkStatus();
   auto reserved = engine_.planner.reserve(
-      fidelity_bytes(planned_.plan->header(), engine_.pool.threads()),
+      fidelity_bytes(*planned_.plan, engine_.pool.threads()),
       "bytes of counted meshes in memory, with what measures this one's fidelity (a larger "
       "spacing takes fewer, and a request without fidelity none)");
   if (!reserved.ok()) return reserved.status();

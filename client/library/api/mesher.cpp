@@ -71,7 +71,7 @@ absl::StatusOr<Estimate> count(Order order,
   tet::FillEstimate fill = tet::estimate_fill(**plan, cancellation);
   if (absl::Status status = check_cancelled(cancellation); !status.ok()) return status;
   const tet::MeshHeader& header = (*plan)->header();
-  if (fidelity) fill.seconds += fidelity_seconds(header, fill.seconds, threads);
+  if (fidelity) fill.seconds += fidelity_seconds(**plan, fill.seconds, threads);
   return Estimate{header.vertex_count, header.tet_count, header.chunk_count, fill.bytes,
                   fill.seconds};
 }

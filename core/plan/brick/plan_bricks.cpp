@@ -178,7 +178,8 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
                 .header = std::move(header),
                 .thin_walls = std::move(surveyed.thin_walls),
                 .statistics = statistics_before_moves(job.request),
-                .boundary = surveyed.boundary},
+                .boundary = surveyed.boundary,
+                .surface_bricks = prepared.bricks.near_surface.size()},
       MeshSource{prepared.field, *to_world, job.request.fields, prepared.stand_in},
       std::move(mesh), std::move(first_brick));
 }

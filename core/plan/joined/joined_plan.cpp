@@ -401,6 +401,7 @@ absl::StatusOr<std::shared_ptr<const MeshPlan>> plan_joined(const PlanJob& job,
       part.move = {of.origin.x - to.x, of.origin.y - to.y, of.origin.z - to.z};
     }
     add_to_header(names[i], of, header);
+    facts.surface_bricks = std::max(facts.surface_bricks, (*plans)[i]->surface_bricks());
   }
   header.face_labels = labels_of_parts(header.face_labels, header.parts);
   if (status = check_part_labels(header); !status.ok()) return status;

@@ -206,7 +206,8 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_whole(
   count_chunks(job.limits.chunk_bytes, header);
   MeshFacts facts{.shape = job.shape,
                   .header = std::move(header),
-                  .statistics = statistics_before_moves(job.request)};
+                  .statistics = statistics_before_moves(job.request),
+                  .surface_bricks = prepared.bricks.near_surface.size()};
   if (!job.request.skip_statistics) facts.boundary = measure_boundary(whole.mesh);
   return std::make_shared<const WholePlan>(
       std::move(facts), MeshSource{field, *to_world, job.request.fields, prepared.stand_in},

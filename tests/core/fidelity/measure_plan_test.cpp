@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/plan/make/mesher.h"
 #include "core/plan/make/plan_mesh.h"
+#include "core/plan/prepared_mesh.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
 
@@ -102,6 +103,45 @@ TEST(PlanFidelity, StopsWhenItIsCancelled) {
     EXPECT_TRUE(absl::IsCancelled(fidelity_of(**plan, one.request, cancelled).status()));
     EXPECT_TRUE(absl::IsDeadlineExceeded(fidelity_of(**plan, one.request, late).status()));
   });
+}
+
+/// What is charged beside what any mesh takes, and beside its faces.
+std::uint64_t bytes_for_bricks(const Shape& shape, const MeshRequest& request) {
+  constexpr std::uint64_t kOfAny = std::uint64_t{17} << 20, kPerFace = 448;
+  std::uint64_t bytes = 0;
+  TaskPool(2).run([&] {
+    const auto plan = plan_mesh({.shape = shape, .request = request});
+    ASSERT_TRUE(plan.ok()) << plan.status();
+    const MeshHeader& header = (*plan)->header();
+    bytes = fidelity_bytes(**plan, 1) - kOfAny - kPerFace * header.face_count -
+            ChunkSizes(header, whole_of(header)).positions;
+  });
+  return bytes;
+}
+
+MeshRequest faces_at(double spacing) {
+  MeshRequest request;
+  request.faces = request.fidelity = true;
+  request.spacing = spacing;
+  return request;
+}
+
+/// Large leaves have few faces, and their surface is looked for in all finest bricks.
+TEST(PlanFidelity, CountsTheBricksOfGradedSurfaces) {
+  MeshRequest request = faces_at(0.005);
+  request.sizing.grade_surface = true;
+  request.sizing.coarsest = 0.1;
+  const Shape ball = scene();
+  const auto prepared = prepare_mesh(ball, request, {}, {});
+  ASSERT_TRUE(prepared.ok()) << prepared.status();
+  EXPECT_GT(bytes_for_bricks(ball, request), 140 * prepared->bricks.near_surface.size());
+}
+
+TEST(PlanFidelity, CountsTheBricksOfVoxelsWhereTheLatticeIsCoarser) {
+  const auto large = ball_of(90, "large");
+  for (const Shape& shape : {Shape(large), Shape(GridList{ball_of(30, "small"), large})}) {
+    EXPECT_GT(bytes_for_bricks(shape, faces_at(10)), 128 * large->bricks.size());
+  }
 }
 
 TEST(PlanFidelity, IsOfMeshesThatHaveFaces) {
