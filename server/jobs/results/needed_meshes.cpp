@@ -3,8 +3,9 @@
 #include <utility>
 
 #include "proto/convert/mesh_header.h"
+#include "proto/convert/request.h"
 #include "proto/convert/status.h"
-#include "tetstream/stored/jobs.pb.h"
+#include "server/jobs/results/job_spec.h"
 
 namespace tet {
 
@@ -12,6 +13,36 @@ namespace {
 
 /// More than a chunk's file has beside the message: its statistics, and a checksum.
 constexpr std::uint64_t kBesideMessage = 4096;
+
+/// A counted mesh, as plans tell of it; none where a plan cannot be read.
+struct CountedMesh {
+  std::string mesh_id;
+  MeshHeader header;
+};
+
+std::optional<CountedMesh> counted_mesh(const std::string& stored_plan) {
+  stored::JobPlan plan;
+  if (!plan.ParseFromString(stored_plan)) return std::nullopt;
+  auto header = from_proto(plan.header());
+  if (!header.ok()) return std::nullopt;
+  return CountedMesh{plan.header().mesh_id(), *std::move(header)};
+}
+
+/// What a job waits for that was counted and is not begun.
+std::optional<CountedMesh> awaited_mesh(const PatientJob& job, const ResultStore& results) {
+  stored::JobSpec spec;
+  if (!spec.ParseFromString(job.spec)) return std::nullopt;
+  const auto plan = results.find_plan(job.space, name_of_request(spec.mesh()));
+  return plan ? counted_mesh(*plan) : std::nullopt;
+}
+
+/// The most urgent first, then the oldest: the order in which jobs have their turn.
+std::pair<std::int64_t, const std::string&> place_in_line(const PatientJob& job) {
+  return {-job.priority, job.id};
+}
+std::pair<std::int64_t, const std::string&> place_in_line(const Job& job) {
+  return {-job.priority, job.id};
+}
 
 }  // namespace
 
@@ -21,13 +52,11 @@ absl::StatusOr<std::vector<NeededMesh>> needed_meshes(JobStore& jobs) {
   std::vector<NeededMesh> meshes;
   for (const PlannedJob& job : *planned) {
     // A plan that cannot be read fails its job, which then needs nothing.
-    tetstream::stored::JobPlan plan;
-    if (!plan.ParseFromString(job.header)) continue;
-    const auto header = from_proto(plan.header());
-    if (!header.ok()) continue;
+    const auto mesh = counted_mesh(job.header);
+    if (!mesh) continue;
     meshes.push_back({job.id,
-                      {job.space, plan.header().mesh_id()},
-                      stored_bytes(*header),
+                      {job.space, mesh->mesh_id},
+                      stored_bytes(mesh->header),
                       job.waits_for_room,
                       job.leased_shards > 0 && !job.waits_for_room});
   }
@@ -42,8 +71,27 @@ absl::StatusOr<std::set<ResultKey>> needed_results(JobStore& jobs) {
   return keys;
 }
 
+absl::StatusOr<std::optional<NeededMesh>> first_in_line(JobStore& jobs,
+                                                        ResultStore& results,
+                                                        const Job& asking) {
+  const auto patient = jobs.patient();
+  if (!patient.ok()) return patient.status();
+  for (const PatientJob& job : *patient) {
+    if (place_in_line(job) >= place_in_line(asking)) break;
+    const auto mesh = awaited_mesh(job, results);
+    if (!mesh || !results.check_fits(chunk_bytes(mesh->header)).ok()) continue;
+    return NeededMesh{
+        job.id, {job.space, mesh->mesh_id}, stored_bytes(mesh->header), true, false};
+  }
+  return std::nullopt;
+}
+
+std::uint64_t chunk_bytes(const MeshHeader& header) {
+  return ChunkSizes(header, whole_of(header)).total();
+}
+
 std::uint64_t stored_bytes(const MeshHeader& header) {
-  return ChunkSizes(header, whole_of(header)).total() + header.chunk_count * kBesideMessage;
+  return chunk_bytes(header) + header.chunk_count * kBesideMessage;
 }
 
 std::uint64_t bytes_beside(const std::vector<NeededMesh>& meshes,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,6 +28,17 @@ absl::StatusOr<std::vector<NeededMesh>> needed_meshes(JobStore& jobs);
 
 /// Their keys.
 absl::StatusOr<std::set<ResultKey>> needed_results(JobStore& jobs);
+
+/// The mesh that has the room which becomes free before that of `asking` has: the first of
+/// those that have waited long, of a job that is more urgent or as urgent and older. None where
+/// nobody comes first. One that finds no room on the disk if all other results go, since
+/// somebody else has filled it, keeps nobody waiting. Errors: the store's.
+absl::StatusOr<std::optional<NeededMesh>> first_in_line(JobStore& jobs,
+                                                        ResultStore& results,
+                                                        const Job& asking);
+
+/// What the chunks take by themselves.
+std::uint64_t chunk_bytes(const MeshHeader& header);
 
 /// What the files of all chunks take, or a little more.
 std::uint64_t stored_bytes(const MeshHeader& header);

@@ -188,16 +188,16 @@ class ResultStore::Room {
   bool used_ = false;
 };
 
-absl::StatusOr<ChunkDigest> ResultStore::put_chunk(MeshFolder& folder,
-                                                   const ChunkMessage& chunk) {
+absl::StatusOr<PutChunk> ResultStore::put_chunk(MeshFolder& folder, const ChunkMessage& chunk) {
   std::unique_ptr<Room> room;
   auto digest = folder.put_chunk(chunk, [&](std::uint64_t bytes) -> absl::Status {
     auto reserved = reserve(bytes);
     if (reserved.ok()) room = std::move(*reserved);
     return reserved.status();
   });
-  if (digest.ok() && room != nullptr) room->use();
-  return digest;
+  if (!digest.ok()) return digest.status();
+  if (room != nullptr) room->use();
+  return PutChunk{*std::move(digest), room != nullptr};
 }
 
 absl::StatusOr<std::unique_ptr<ResultStore::Room>> ResultStore::reserve(std::uint64_t bytes) {

@@ -28,6 +28,12 @@ struct ResultKey {
   auto operator<=>(const ResultKey&) const = default;
 };
 
+/// A chunk that a folder has.
+struct PutChunk {
+  ChunkDigest digest;
+  bool is_new = false;  ///< it was not there before, and found room
+};
+
 struct ResultStats {
   std::uint64_t bytes = 0, budget_bytes = 0, meshes = 0;
   std::uint64_t evicted = 0;  ///< meshes, by this process
@@ -60,12 +66,12 @@ class ResultStore {
   /// Opens a folder that is there already. Errors: kNotFound.
   absl::StatusOr<std::shared_ptr<MeshFolder>> find(const ResultKey& key) const;
 
-  /// Adds a chunk to a folder of this store, unless it has that already, and says the digest.
+  /// Adds a chunk to a folder of this store, unless it has that already.
   /// Room is made before: what was used least recently is evicted if need be. Errors:
   /// kResourceExhausted with reason RESULTS_FULL (all of the rest is in use, or needed) or
   /// DISK_FULL (what is free of the disk is to stay free), those of ResultLedger and of
   /// `Needed`, and the disk's.
-  absl::StatusOr<ChunkDigest> put_chunk(MeshFolder& folder, const ChunkMessage& chunk);
+  absl::StatusOr<PutChunk> put_chunk(MeshFolder& folder, const ChunkMessage& chunk);
 
   /// Whether a mesh of so many bytes could be stored if every other went. Errors:
   /// kResourceExhausted with LIMIT_EXCEEDED (the budget, or the disk, is too small), or

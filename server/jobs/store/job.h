@@ -87,6 +87,9 @@ struct Job {
   std::int64_t replans = 0;     ///< times that another algorithm version had to plan it again
   std::int64_t given_back = 0;  ///< shards, by workers that could not work themselves
   absl::Status trouble;         ///< why the last of these was given back
+  /// A shard was given back for want of room, and since then nothing of the job has changed and
+  /// none of its shards has found room.
+  bool waits_for_room = false;
   absl::Time read_time = absl::InfinitePast();  ///< when the store was asked, by its clock
 };
 

@@ -77,7 +77,7 @@ std::string select_jobs(JobColumns columns) {
       "error, "
       "ttl_us, timeout_us, create_us, start_us, plan_us, finish_us, expire_us, stop_us, "
       "chunk_count, done_chunks, shard_count, done_shards, dead_shards, alarms, algorithm, "
-      "replans, given_back, trouble, ",
+      "replans, given_back, trouble, room_waits, ",
       columns.leases
           ? "(SELECT count(*) FROM queue WHERE queue.job_id = jobs.id AND queue.state = 1)"
           : "CAST(0 AS BIGINT)",
@@ -120,6 +120,7 @@ JobRow job_row(const SqlRow& row) {
   job.replans = count();
   job.given_back = count();
   job.trouble = decode_status(row.blob(column++));
+  job.waits_for_room = integer() > 0;
   job.leased_shards = count();
   if (column < row.size()) {
     job.spec = row.blob(column++);

@@ -72,11 +72,22 @@ struct ClaimShards {
 /// What is kept of an unfinished job's plan, while its mesh is being made or waits to be.
 struct PlannedJob {
   std::string id, space;
-  std::string header;  ///< as `Plan` brought it
-  /// A shard of it was given back for want of room, and nothing of the job has changed since.
-  bool waits_for_room = false;
+  std::string header;           ///< as `Plan` brought it
+  bool waits_for_room = false;  ///< see Job
   std::int64_t leased_shards = 0;
 };
+
+/// A job that has looked for room for its mesh so often that others leave it what becomes free.
+struct PatientJob {
+  std::string id, space, spec;
+  std::int64_t priority = 0;
+};
+
+/// So many looks in vain make a job patient: with pauses that grow from two seconds to a
+/// minute, after three minutes or so.
+inline constexpr std::int64_t kPatientLooks = 8;
+/// So many patient jobs are told of: one of the first has the room.
+inline constexpr std::int64_t kMostPatient = 16;
 
 struct ListWorkers {
   std::string space = {};        ///< whose shards are named
@@ -94,9 +105,9 @@ struct WorkerPage {
 struct GiveBack {
   absl::Status why = {};                        ///< what the job says of it; OK: nothing
   absl::Duration pause = absl::ZeroDuration();  ///< until anybody may claim it again
-  /// The job waits for room among the results, until something of it changes. The pause is
-  /// twice as long each time that all shards which are left have waited, up to
-  /// kLongestRoomPause, so that many jobs that wait are not much work.
+  /// The job waits for room among the results, until something of it changes or `found_room`
+  /// is called. The pause is twice as long each time that all shards which are left have
+  /// waited, up to kLongestRoomPause, so that many jobs that wait are not much work.
   bool for_room = false;
 };
 
@@ -213,6 +224,9 @@ class JobStore {
   /// Gives a shard back untouched: the attempt does not count. Errors: kAborted (LEASE_LOST).
   virtual absl::Status release(const LeaseId& lease, const GiveBack& how) = 0;
   absl::Status release(const LeaseId& lease) { return release(lease, {}); }
+  /// Room was found again for what the shard brings: its job no longer waits, though nothing of
+  /// it is done yet. It is no change that watchers are told of. Errors: kAborted (LEASE_LOST).
+  virtual absl::Status found_room(const LeaseId& lease) = 0;
   /// The job's plan is another algorithm version's: it is planned again, from what was asked
   /// for, and what was done of it is dropped. Errors: kAborted (LEASE_LOST).
   virtual absl::Status plan_anew(const LeaseId& lease) = 0;
@@ -249,6 +263,9 @@ class JobStore {
   virtual absl::Status probe() = 0;
   /// The jobs that are not finished, of which the count phase is over.
   virtual absl::StatusOr<std::vector<PlannedJob>> planned() = 0;
+  /// Unfinished jobs that have waited with their plan shard for kPatientLooks or more: the most
+  /// urgent first, then the oldest, and kMostPatient of them at most.
+  virtual absl::StatusOr<std::vector<PatientJob>> patient() = 0;
   /// What the jobs read that are not finished.
   virtual absl::StatusOr<std::set<JobInput>> inputs() = 0;
 };

@@ -311,6 +311,16 @@ absl::Status SqlJobStore::release(const LeaseId& lease, const GiveBack& how) {
       Purpose::kRoom);
 }
 
+absl::Status SqlJobStore::found_room(const LeaseId& lease) {
+  return transact(*database_, [&](SqlTransaction& t) {
+    const auto row = lock_job(t, lease.shard.job);
+    if (!row) return job_not_found(lease.shard.job);
+    if (!holds(t, lease)) return lost(*row, lease);
+    t.run("UPDATE jobs SET room_waits = 0 WHERE id = $1 AND room_waits > 0", {row->job.id});
+    return absl::OkStatus();
+  });
+}
+
 absl::StatusOr<std::int64_t> SqlJobStore::rescue() {
   std::vector<LeaseId> expired;
   auto status = transact(*database_, [&](SqlTransaction& t) {

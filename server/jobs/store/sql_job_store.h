@@ -25,6 +25,11 @@ inline constexpr char kPlannedJobs[] =
     "SELECT id, space, header, room_waits, (SELECT count(*) FROM queue WHERE queue.job_id = "
     "jobs.id AND queue.state = 1) FROM jobs WHERE state <= 2 AND phase = 2";
 
+/// What `patient` asks, of so many looks and so many jobs; it says what its index says.
+inline constexpr char kPatientJobs[] =
+    "SELECT id, space, spec, rank FROM jobs WHERE state <= 2 AND phase = 0 AND room_waits > 0 "
+    "AND room_waits >= $1 ORDER BY rank, id LIMIT $2";
+
 /// Rows of `queue` are shards that somebody still has to do; those of `shards` are done or dead
 /// letters. So what workers fight over stays small, and what is kept is only ever added to.
 ///
@@ -77,6 +82,7 @@ class SqlJobStore final : public JobStore {
   absl::Status fail_job(const LeaseId& lease, const absl::Status& error) override;
   using JobStore::release;
   absl::Status release(const LeaseId& lease, const GiveBack& how) override;
+  absl::Status found_room(const LeaseId& lease) override;
   absl::Status plan_anew(const LeaseId& lease) override;
   absl::Status report(const WorkerReport& worker) override;
   absl::Status leave(const std::string& worker) override;
@@ -92,6 +98,7 @@ class SqlJobStore final : public JobStore {
   absl::Time now() override { return database_->clock().now(); }
   absl::Status probe() override;
   absl::StatusOr<std::vector<PlannedJob>> planned() override;
+  absl::StatusOr<std::vector<PatientJob>> patient() override;
   absl::StatusOr<std::set<JobInput>> inputs() override;
 
  private:

@@ -4,6 +4,7 @@
 #include <absl/strings/str_split.h>
 
 #include "proto/convert/status.h"
+#include "server/jobs/store/new_job.h"
 #include "server/jobs/store/queue_rows.h"
 #include "server/jobs/store/sql_job_store.h"
 #include "server/jobs/store/store_errors.h"
@@ -234,6 +235,20 @@ absl::StatusOr<std::vector<PlannedJob>> SqlJobStore::planned() {
     for (const SqlRow& row : t.run(kPlannedJobs).rows) {
       jobs.push_back(
           {row.text(0), row.text(1), row.blob(2), row.integer(3) > 0, row.integer(4)});
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return jobs;
+}
+
+absl::StatusOr<std::vector<PatientJob>> SqlJobStore::patient() {
+  std::vector<PatientJob> jobs;
+  const absl::Status status = read(*database_, [&](SqlTransaction& t) {
+    jobs.clear();
+    for (const SqlRow& row : t.run(kPatientJobs, {kPatientLooks, kMostPatient}).rows) {
+      jobs.push_back({row.text(0), row.text(1), row.blob(2),
+                      -bounded(row.integer(3), -kMaxPriority, kMaxPriority)});
     }
     return absl::OkStatus();
   });

@@ -91,9 +91,13 @@ ALTER TABLE jobs ADD COLUMN room_waits INTEGER NOT NULL DEFAULT 0;
 CREATE INDEX jobs_planned ON jobs (phase, id) WHERE state <= 2 AND phase = 2;
 )sql";
 
+constexpr char kFifthVersion[] = R"sql(
+CREATE INDEX jobs_waiting ON jobs (rank, id) WHERE state <= 2 AND phase = 0 AND room_waits > 0;
+)sql";
+
 // A step from each version to the next; steps that were released never change.
-constexpr std::array<const char*, 4> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion,
-                                               kFourthVersion};
+constexpr std::array<const char*, 5> kSteps = {kFirstVersion, kSecondVersion, kThirdVersion,
+                                               kFourthVersion, kFifthVersion};
 constexpr std::int64_t kVersion = kSteps.size();
 
 absl::Status run_steps(SqliteConnection& connection, std::int64_t version) {

@@ -1,5 +1,6 @@
 #include "server/jobs/work/shard_maker.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <absl/functional/function_ref.h>
@@ -189,23 +190,32 @@ absl::StatusOr<std::shared_ptr<SharedSurvey>> ShardMaker::survey_of(const Shard&
 
 /// What can never be stored is not worth making.
 absl::Status ShardMaker::check_size(const MeshHeader& header) const {
-  return results_.check_fits(ChunkSizes(header, whole_of(header)).total());
+  return results_.check_fits(chunk_bytes(header));
 }
 
 /// Whether the mesh can be stored, and beside those that other unfinished jobs have begun or
-/// are to begin. If it were begun all the same, each could have what the other waits for.
+/// are to begin. If it were begun all the same, each could have what the other waits for. What
+/// becomes free belongs to the first of those that have long waited for it: a large mesh would
+/// wait for ever behind small ones which all fit.
 absl::Status ShardMaker::check_room(const Shard& shard, const stored::JobPlan& plan) const {
   const auto header = from_proto(plan.header());
   if (!header.ok()) return absl::OkStatus();  // it is counted anew
   if (auto fits = check_size(*header); !fits.ok()) return fits;
-  const auto needed = needed_meshes(jobs_);
+  auto needed = needed_meshes(jobs_);
   if (!needed.ok()) return needed.status();
   const ResultKey key{shard.job.space, plan.header().mesh_id()};
+  const auto first = first_in_line(jobs_, results_, shard.job);
+  if (!first.ok()) return first.status();
+  // A mesh that another job has begun takes nothing of what is waited for.
+  const bool begun = std::ranges::count(*needed, key, &NeededMesh::key) > 0;
+  const bool gives_way = *first && !begun;
+  if (gives_way) needed->push_back(**first);
   const std::uint64_t own = stored_bytes(*header), all = bytes_beside(*needed, key, own);
   if (all == own || results_.check_fits(all).ok()) return absl::OkStatus();
   return with_reason(absl::ResourceExhaustedError(
                          absl::StrCat("no room for the mesh's ", own, " bytes beside the ",
-                                      all - own, " of meshes that other jobs are making")),
+                                      all - own, " of meshes that other jobs are making",
+                                      gives_way ? ", or have long waited for" : "")),
                      "RESULTS_FULL");
 }
 
@@ -292,6 +302,7 @@ absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& sh
   const std::string client = background_client(shard.order.mesh.space);
   const WorkTimer timer(engine_.calls.clients().of(client));
   std::vector<ChunkDigest> digests;
+  bool waits = shard.job.waits_for_room;
   for (std::int64_t i = shard.lease.chunks.first; i < shard.lease.chunks.end; ++i) {
     const absl::Status wanted = check_cancelled(shard.order.watch->cancellation);
     if (!wanted.ok()) return wanted;
@@ -300,9 +311,12 @@ absl::StatusOr<std::vector<ChunkDigest>> ShardMaker::make_chunks(const Shard& sh
                    shard.order.watch->cancellation);
     if (!chunk.ok()) return chunk.status();
     engine_.activity.chunks_made.fetch_add(1);
-    auto digest = results_.put_chunk(folder, *chunk);
-    if (!digest.ok()) return digest.status();
-    digests.push_back(*std::move(digest));
+    auto put = results_.put_chunk(folder, *chunk);
+    if (!put.ok()) return put.status();
+    // Others must not take a job for waiting that goes on. A store that does not answer is
+    // asked with the next chunk.
+    if (waits && put->is_new) waits = !jobs_.found_room(shard.lease.id).ok();
+    digests.push_back(std::move(put->digest));
   }
   return digests;
 }

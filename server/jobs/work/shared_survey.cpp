@@ -47,12 +47,12 @@ absl::StatusOr<ChunkDigest> SharedSurvey::put(std::int64_t block,
   const ChunkRange range{block, block + 1};
   const grpc::Slice slice(bytes.data(), bytes.size());
   const ChunkMessage message{grpc::ByteBuffer(&slice, 1), {}, 0, bytes.size()};
-  const auto digest = results_.put_chunk(*folder_, message);
-  if (!digest.ok()) return digest;
+  const auto chunk = results_.put_chunk(*folder_, message);
+  if (!chunk.ok()) return chunk.status();
   const auto before = folder_->find_shard(range);
-  if (before && before->front() != *digest) return alarm(block);
-  if (auto kept = folder_->put_shard(range, {*digest}); !kept.ok()) return kept;
-  return digest;
+  if (before && before->front() != chunk->digest) return alarm(block);
+  if (auto kept = folder_->put_shard(range, {chunk->digest}); !kept.ok()) return kept;
+  return chunk->digest;
 }
 
 std::optional<std::vector<std::byte>> SharedSurvey::get(std::int64_t block) const {

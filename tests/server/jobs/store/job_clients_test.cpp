@@ -293,30 +293,6 @@ TEST_P(JobStoreTest, KnowsThePlansOfJobsUntilTheyAreFinished) {
   EXPECT_EQ(store_->planned().value().size(), 1U);
 }
 
-TEST_P(JobStoreTest, KnowsWhichPlannedJobsWaitForRoomNow) {
-  const absl::Status why = with_reason(absl::ResourceExhaustedError("no room"), "RESULTS_FULL");
-  const GiveBack for_room{why, absl::ZeroDuration(), true};
-  const Job job = create();
-  EXPECT_EQ(store_->release(claim_one().id, for_room), absl::OkStatus());
-  const auto now = [&] { return store_->planned().value().at(0); };
-  EXPECT_EQ(store_->set_plan(claim_one().id, plan_of(3)), absl::OkStatus());
-  EXPECT_FALSE(now().waits_for_room) << "it waited before it was planned";
-  EXPECT_EQ(store_->release(claim_one().id, for_room), absl::OkStatus());
-  EXPECT_TRUE(now().waits_for_room);
-  const ShardLease lease = claim_one();
-  EXPECT_TRUE(now().waits_for_room) << "nothing is done yet";
-  EXPECT_EQ(now().leased_shards, 1);
-  EXPECT_EQ(complete(lease), absl::OkStatus());
-  EXPECT_FALSE(now().waits_for_room);
-  EXPECT_EQ(store_->release(claim_one().id, {why}), absl::OkStatus());
-  EXPECT_FALSE(now().waits_for_room) << "it was given back for another reason";
-  EXPECT_EQ(store_->release(claim_one().id, for_room), absl::OkStatus());
-  store_->cancel(job.id).value();
-  store_->retry(job.id).value();
-  EXPECT_FALSE(now().waits_for_room) << "it begins anew";
-  EXPECT_EQ(reason_of(get(job).trouble), "RESULTS_FULL") << "which stays for people";
-}
-
 TEST_P(JobStoreTest, KnowsEachOfSeveralFilesThatAJobReads) {
   NewJob asked = wanted("ana");
   asked.input = "a b";

@@ -132,6 +132,15 @@ TEST(SqliteJobStore, FindsPlannedJobsByAnIndex) {
   EXPECT_THAT(plan.rows.at(0).text(3), testing::HasSubstr("jobs_planned"));
 }
 
+TEST(SqliteJobStore, FindsPatientJobsByAnIndexInTheirOrder) {
+  const SqliteHome home;
+  home.open({});
+  const auto look = SqliteConnection::open({.path = home.path()}).value();
+  const auto plan = look->run(absl::StrCat("EXPLAIN QUERY PLAN ", kPatientJobs), {}).value();
+  ASSERT_EQ(plan.rows.size(), 1U) << "and sorts nothing";
+  EXPECT_THAT(plan.rows[0].text(3), testing::HasSubstr("jobs_waiting"));
+}
+
 TEST(SqliteJobStore, PurgesWhatFinishedLongAgo) {
   const SqliteHome home;
   const auto store = home.open({});

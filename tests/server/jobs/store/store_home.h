@@ -22,7 +22,8 @@ class StoreHome {
 
 /// Makes a store of today one of the first version.
 constexpr char kBackToTheFirst[] =
-    "DROP INDEX jobs_planned; ALTER TABLE jobs DROP COLUMN room_waits; "
+    "DROP INDEX jobs_waiting; DROP INDEX jobs_planned; ALTER TABLE jobs DROP COLUMN "
+    "room_waits; "
     "DROP INDEX jobs_of_algorithm; DROP TABLE facts; DROP TABLE workers; "
     "ALTER TABLE queue DROP COLUMN algorithm; ALTER TABLE jobs DROP COLUMN algorithm; "
     "ALTER TABLE jobs DROP COLUMN replans; ALTER TABLE jobs DROP COLUMN given_back; "
