@@ -23,14 +23,15 @@ constexpr std::size_t kLeafOverhead = 8;
 }  // namespace
 
 RemeshSession::RemeshSession(std::shared_ptr<Connection> connection,
+                             const ServerChannel& server,
                              const Cancellation& cancellation,
                              SessionIds ids)
     : connection_(std::move(connection)),
       cancellation_(cancellation),
-      shared_memory_path_(connection_->server().shared_memory_path()),
+      shared_memory_path_(server.shared_memory_path()),
       shared_(connection_->shared_chunks()),
-      call_(connection_->server(), cancellation),
-      stream_(std::make_unique<RawCall>(connection_->server().channel(),
+      call_(server, cancellation),
+      stream_(std::make_unique<RawCall>(server.channel(),
                                         call_.context(),
                                         v1::MeshService::service_full_name(),
                                         "RemeshSession")) {
@@ -48,15 +49,23 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
     const v1::MeshRequest& request,
     const Cancellation& cancellation,
     SessionIds ids) {
-  std::unique_ptr<RemeshSession> session(
-      new RemeshSession(std::move(connection), cancellation, ids));
   v1::RemeshRequest message;
   *message.mutable_start() = request;
   message.set_tell_refusals(true);
   message.set_loose_patches(true);
-  session->shared_->ask(message, session->shared_memory_path_, cancellation);
-  if (auto status = session->exchange(message); !status.ok()) return status;
-  return session;
+  // Before its first mesh has come there is nothing to lose: a connection that broke, as one
+  // that the server closed while nobody used it, is no more the end of it than of any other
+  // call.
+  for (Retries retries = connection->begin(cancellation);;) {
+    const ServerChannel& asked = connection->server();
+    std::unique_ptr<RemeshSession> session(
+        new RemeshSession(connection, asked, cancellation, ids));
+    session->shared_->ask(message, session->shared_memory_path_, cancellation);
+    const absl::Status begun = session->exchange(message);
+    if (begun.ok()) return session;
+    session.reset();
+    if (!connection->again(retries, asked, begun, 0)) return begun;
+  }
 }
 
 absl::Status RemeshSession::update(const v1::Scene& scene) {

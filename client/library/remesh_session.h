@@ -29,8 +29,9 @@ enum class SessionIds : bool {
 /// begin another.
 class RemeshSession {
  public:
-  /// Receives the mesh of `request`. `cancellation` outlives the session.
-  /// Errors: the server's, kDataLoss (a stream that is none), kCancelled, kDeadlineExceeded.
+  /// Receives the mesh of `request`; begins again where the connection breaks before it has
+  /// come. `cancellation` outlives the session. Errors: the server's, kUnavailable (after all
+  /// retries), kDataLoss (a stream that is none), kCancelled, kDeadlineExceeded.
   static absl::StatusOr<std::unique_ptr<RemeshSession>> begin(
       std::shared_ptr<Connection> connection,
       const v1::MeshRequest& request,
@@ -59,6 +60,7 @@ class RemeshSession {
 
  private:
   RemeshSession(std::shared_ptr<Connection> connection,
+                const ServerChannel& server,
                 const Cancellation& cancellation,
                 SessionIds ids);
 

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/mesh_receiver.h"
+#include "client/library/remesh_session.h"
 #include "core/plan/make/mesher.h"
 #include "core/vdb/load.h"
 #include "proto/wire/transport.h"
@@ -151,6 +152,31 @@ TEST_F(MeshClientTest, MendsAConnectionThatBreaksAgainAndAgain) {
   EXPECT_GT(proxy.cuts(), 0);
   EXPECT_TRUE(same_mesh(streamed->mesh, uniform_mesh_here(16).mesh));
   EXPECT_GE(streamed->quality.min_dihedral_deg, 11.3);
+}
+
+TEST_F(MeshClientTest, BeginsASessionAgainWhoseConnectionBreaksBeforeItsFirstMeshHasCome) {
+  const v1::MeshRequest ball = uniform_ball(16);
+  const auto whole = client_->stream_mesh(ball, {}, never_);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  const std::uint64_t bytes =
+      whole->mesh.positions.bytes().size() + whole->mesh.tets.bytes().size();
+  // Enough for one mesh, and not for the next one on the same connection.
+  CuttingProxy proxy(server_->port(), kNoLimit, bytes * 3 / 2);
+  const auto client =
+      MeshClient::connect(proxy.address(), {.attempts = 6, .first_backoff_ms = 10});
+  ASSERT_TRUE(client->stream_mesh(ball, {}, never_).ok());
+  ASSERT_EQ(proxy.cuts(), 0);
+  int cuts = 0;
+  for (const SessionIds ids : {SessionIds::kInOrder, SessionIds::kStable}) {
+    const auto session = client->begin_session(ball, never_, ids);
+    ASSERT_TRUE(session.ok()) << session.status();
+    EXPECT_EQ(proxy.cuts(), ++cuts);
+    EXPECT_EQ((*session)->mesh().mesh_id, whole->mesh_id);
+    if (ids == SessionIds::kInOrder) {
+      EXPECT_TRUE(same_mesh((*session)->mesh().mesh, whole->mesh));
+    }
+    EXPECT_EQ((*session)->end(), absl::OkStatus());
+  }
 }
 
 TEST_F(MeshClientTest, UpdatesAMeshToTheBytesOfAWholeOne) {
