@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import _tetstream
 from ._errors import FailedPreconditionError, NotFoundError, StatusCode, invalid
 from ._labels import Labels
-from ._request import Meshable, Request, StoredVolume
+from ._request import HERE, Meshable, Request, StoredVolume
 from ._solid import Solid
 from ._uploads import Uploads
 from ._volume import Volume
@@ -24,7 +24,6 @@ T = TypeVar("T")
 _Frame = _tetstream.Volume | _tetstream.Scene
 _Used = list[tuple[Meshable, _tetstream.StoredVolume]]  # what was uploaded for a call, and its names
 _STORED = "grids/"
-_HERE = "here/"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,7 +71,7 @@ class Here:
 
     def upload(self, volume: Volume | Labels, options: _tetstream.Options) -> StoredVolume:
         _tell(options)
-        return StoredVolume(f"{_HERE}{id(volume):x}", "", isinstance(volume, Labels), _here=volume)
+        return StoredVolume(f"{HERE}{id(volume):x}", "", isinstance(volume, Labels), _here=volume)
 
     def upload_file(self, path: str, grid: str, options: _tetstream.Options) -> StoredVolume:
         """The file stays where it is, too. What is meshed of it may be said later, as with a server."""
@@ -80,7 +79,7 @@ class Here:
         with contextlib.suppress(FailedPreconditionError):  # of several grids, or none with an inside
             volume = Volume.from_vdb(path, grid)
         _tell(options)
-        return StoredVolume(_HERE + os.path.abspath(path), grid, _here=volume, _grid=grid)
+        return StoredVolume(HERE + os.path.abspath(path), grid, _here=volume, _grid=grid)
 
     def mesh(self, request: Request, options: _tetstream.Options) -> _tetstream.Mesh:
         return _tetstream.mesh(self._shape(request), request._wire(_field_here), options)
@@ -251,7 +250,7 @@ class Served:
     ) -> _tetstream.StoredVolume:
         """The name of a volume, which is noted with it in `used` where it is one of this process."""
         if isinstance(volume, StoredVolume):
-            if volume._here is not None or volume.name.startswith(_HERE):
+            if volume._is_here:
                 raise invalid(f"{volume.name} is in this process: upload its volume by this Client")
             return _tetstream.StoredVolume(volume.name, volume.grid, list(volume.grids))
         if isinstance(volume, (Volume, Labels)):
@@ -302,19 +301,19 @@ def _labels_here(volume: Meshable) -> Labels:
 
 def _is_file(stored: StoredVolume) -> bool:
     """Whether it is one that `Here` has taken, of which any grid may be meant."""
-    return stored.name.startswith(_HERE) and os.path.isabs(stored.name.removeprefix(_HERE))
+    return stored._path is not None
 
 
 def _path_here(stored: StoredVolume) -> str:
     """Of a file that `Here` has taken."""
-    if not stored.name.startswith(_HERE):
+    if not stored._is_here:
         raise invalid(f"{stored.name} is stored by a server: mesh it by that server's Client")
-    if not _is_file(stored) and stored._here is not None:
+    if stored._path is not None:
+        return stored._path
+    if stored._here is not None:
         raise NotFoundError(f"{stored.name} is a volume of this process, and has no grid '{stored.grid}'",
                             StatusCode.NOT_FOUND)
-    if not _is_file(stored):
-        raise invalid(f"{stored.name} is the name of a volume of this process, which has to be kept with it")
-    return stored.name.removeprefix(_HERE)
+    raise invalid(f"{stored.name} is the name of a volume of this process, which has to be kept with it")
 
 
 def _read_here(stored: StoredVolume) -> Volume | Labels:
@@ -348,7 +347,7 @@ def _field_here(values: Volume | StoredVolume) -> _tetstream.Volume:
 def _volume_of_leaf(leaf: Any, grid: str) -> Volume:
     if isinstance(leaf, Volume):
         return leaf
-    if isinstance(leaf, StoredVolume) and leaf.name.startswith(_HERE):
+    if isinstance(leaf, StoredVolume) and leaf._is_here:
         read = _read_here(dataclasses.replace(leaf, grid=grid))
         if isinstance(read, Labels):
             raise invalid(f"{leaf.name} has labels, which are no solid")

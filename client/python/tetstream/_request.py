@@ -40,6 +40,10 @@ stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.Co
     "stop_of_context", default=None)
 
 
+# Names begin with it that `Client(":local:")` gives.
+HERE = "here/"
+
+
 @dataclasses.dataclass(frozen=True)
 class StoredVolume:
     """A volume that a server stores. It may be kept as text, and used again.
@@ -56,6 +60,17 @@ class StoredVolume:
     grids: tuple[str, ...] = ()
     _here: Volume | Labels | None = dataclasses.field(default=None, repr=False, compare=False)
     _grid: str = dataclasses.field(default="", repr=False, compare=False)  # that `_here` is
+
+    @property
+    def _is_here(self) -> bool:
+        """Whether no server has it, but a process that makes meshes itself."""
+        return self.name.startswith(HERE)
+
+    @property
+    def _path(self) -> str | None:
+        """Of a file that such a process has taken, where any process of this machine finds it."""
+        path = self.name.removeprefix(HERE)
+        return path if self._is_here and os.path.isabs(path) else None
 
 
 Fields = Mapping[str, Volume | StoredVolume]

@@ -93,8 +93,10 @@ class Solid:
         def name(leaf: Any, grid: str) -> str:
             if isinstance(leaf, (str, os.PathLike)):
                 return os.fspath(leaf)
-            if hasattr(leaf, "grid") and not leaf._here:
-                return str(leaf.name)
+            if hasattr(leaf, "grid"):  # a StoredVolume: a server's, or a file that this process has taken
+                named = leaf._path if leaf._is_here else leaf.name
+                if named is not None:
+                    return str(named)
             raise invalid("a scene file cannot hold a Volume: write it (write_vdb), and use ts.grid(path)")
 
         return json.dumps({"nodes": self._nodes(name)}, indent=1)

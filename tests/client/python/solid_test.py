@@ -98,6 +98,22 @@ def test_grids_of_files_are_solids(client, tmp_path, monkeypatch):
         ts.mesh(again)
 
 
+def test_a_scene_file_names_the_files_of_this_process_by_their_paths(client, tmp_path):
+    path = fixture_file("sphere", 0.1, tmp_path / "ball.vdb")
+    here = ts.Client(":local:")
+    stored = here.upload_file(path)
+    for file in (stored, ts.StoredVolume(stored.name)):  # and one that was kept as text
+        solid = ts.grid(file, "sphere") - ts.box(1)
+        text = solid.to_json()
+        assert json.loads(text)["nodes"][0]["grid"]["name"] == str(path)
+        for maker in (ts, client):
+            assert_same(maker.mesh(ts.Solid.from_json(text), spacing=0.1), here.mesh(solid, spacing=0.1))
+    uploaded = here.upload(make_ball(4))
+    for volume in (uploaded, ts.StoredVolume(uploaded.name)):
+        with pytest.raises(ts.InvalidArgumentError, match="write_vdb"):
+            ts.grid(volume).to_json()
+
+
 @pytest.mark.parametrize("options", [{}, {"faces": True, "improve": True}, {"levels": 0, "fields": True}])
 def test_a_server_makes_the_mesh_that_is_made_here(client, options, ball):
     if options.get("fields"):
