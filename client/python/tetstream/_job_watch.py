@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from types import TracebackType
 
 from ._errors import Error, NotFoundError
-from ._job import FINAL, EventSource, JobBackend, JobEvent, JobFilter
+from ._job import FINAL, EventSource, Job, JobBackend, JobEvent, JobFilter
 
 Left = Callable[[], float | None]
 Again = Callable[[int], tuple[list[JobEvent], EventSource | None, int] | None]
@@ -101,7 +101,7 @@ def watch_all(backend: JobBackend, after: int | None, left: Left) -> JobWatch:
         if seen > 0:
             return None  # what came since then, of jobs that are gone
         jobs, now = backend.list(JobFilter({}, (), "", 0), left())
-        told = [event for job in jobs for event in _told(backend, job.name, job.version, left)]
+        told = [event for job in jobs for event in _still_told(backend, job, left)]
         return _between(0, told, now), backend.watch("", now, left()), now
 
     return JobWatch(backend.watch("", after, left()), None, again=again, seen=after)
@@ -179,6 +179,16 @@ def _told(backend: JobBackend, name: str, version: int | None, left: Left) -> li
     finally:
         source.close()
     return told
+
+
+def _still_told(backend: JobBackend, job: Job, left: Left) -> list[JobEvent]:
+    """As `_told`; nothing of a job that was purged, with its changes, since it was listed."""
+    try:
+        return _told(backend, job.name, job.version, left)
+    except NotFoundError as error:
+        if error.reason != "JOB_NOT_FOUND":
+            raise
+        return []
 
 
 def _is_over(event: JobEvent) -> bool:

@@ -210,6 +210,20 @@ def test_a_watch_of_all_jobs_says_what_is_forgotten():
         next(watch)
 
 
+class PlayedPurge(Played):
+    """One of the jobs is purged as soon as it was listed."""
+
+    def watch(self, name, after, timeout):
+        if name == "jobs/1":
+            raise ts.NotFoundError("there is no job jobs/1", ts.StatusCode.NOT_FOUND, "JOB_NOT_FOUND")
+        return super().watch(name, after, timeout)
+
+
+def test_a_watch_of_all_jobs_goes_on_without_one_that_is_purged_meanwhile():
+    watch = ts.Jobs(PlayedPurge(0)).watch(after=0)
+    assert [next(watch).revision for _ in range(3)] == [3, 5, 6]
+
+
 def test_a_watch_is_closed_while_it_begins_again():
     played, rest = Played(0), []
     watch = ts.Jobs(played).watch(after=0)
