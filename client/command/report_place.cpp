@@ -1,7 +1,9 @@
 #include "client/command/report_place.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -11,13 +13,14 @@
 #include "client/command/scene_input.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/files/mesh_file.h"
+#include "core/image/join_image.h"
 
 namespace tet {
 namespace {
 
-/// The files that the command line names for reading, and names that are none.
-std::vector<std::string> files_read(const MeshArguments& arguments,
-                                    const MeshOptions& options) {
+/// The files that the command line or its scene names for reading, and names that are none.
+std::vector<std::string> files_named(const MeshArguments& arguments,
+                                     const MeshOptions& options) {
   std::vector<std::string> files{options.input, arguments.request.sizing.sizing,
                                  arguments.request.sizing.grid, arguments.request.labels.names};
   for (const VertexField& field : options.request.fields) files.push_back(field.file);
@@ -26,6 +29,19 @@ std::vector<std::string> files_read(const MeshArguments& arguments,
   }
   if (!is_scene_file(options.input)) return files;
   for (std::string& grid : grid_files_of_scene(options.input)) files.push_back(std::move(grid));
+  return files;
+}
+
+/// Those, and the files that hold the data of those that are headers.
+std::vector<std::string> files_read(const MeshArguments& arguments,
+                                    const MeshOptions& options) {
+  std::vector<std::string> files = files_named(arguments, options);
+  const std::size_t named = files.size();
+  for (std::size_t i = 0; i < named; ++i) {
+    std::error_code ignored;  // a pipe must not be read before its time
+    if (!std::filesystem::is_regular_file(files[i], ignored)) continue;
+    for (std::string& data : data_files_of(files[i])) files.push_back(std::move(data));
+  }
   return files;
 }
 

@@ -174,6 +174,19 @@ bool is_detached_image(const std::string& path) {
   }
 }
 
+std::vector<std::string> data_files_of(const std::string& header) {
+  std::vector<std::string> files;
+  if (!is_detached_image(header)) return files;
+  try {
+    for (const std::string& name : read_detached(read_head(header)).files) {
+      files.push_back(fs::path(header).parent_path() / name);
+    }
+  } catch (const ImageRefusal&) {
+    files.clear();
+  }
+  return files;
+}
+
 absl::Status join_image(const std::string& header,
                         const std::string& joined,
                         const Cancellation& cancellation) {

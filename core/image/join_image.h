@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -12,6 +13,10 @@ namespace tet {
 
 /// Whether the file is a header whose data are in others. False of what cannot be read.
 bool is_detached_image(const std::string& path);
+
+/// The files that such a header names for its data. None of any other file, nor of one whose
+/// header is wrong, which whoever reads it tells of.
+std::vector<std::string> data_files_of(const std::string& header);
 
 /// Writes the header and its data to `joined`, which is made.
 ///

@@ -273,6 +273,24 @@ class ImageFormats(ImageCase):
             with self.subTest(name):
                 self.assert_same(self.write(name, header), expected)
 
+    def test_reports_take_no_place_of_data_beside_a_header(self):
+        values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
+        whole = numpy.clip(numpy.round(values), 1, 127).astype("i2")
+        count = whole.shape[2]
+        raw = self.write("part.raw", whole.astype("<i2").tobytes(order="F"))
+        slices = [self.write(f"slice{z:03}.raw", whole[:, :, z].astype("<i2").tobytes(order="F"))
+                  for z in range(count)]
+        scene = self.write("scene.json", json.dumps({"nodes": [{"grid": {"name": "a.nhdr"}}]}).encode())
+        one = self.write("a.nhdr", nrrd(whole, affine, data_file="part.raw"))
+        many = self.write("b.nhdr", nrrd(whole, affine, data_file=f"slice%03d.raw 0 {count - 1} 1"))
+        other = self.write("c.mhd", meta(whole, affine, data_file="part.raw"))
+        for image, report in ((one, raw), (many, slices[7]), (other, raw), (scene, raw)):
+            with self.subTest(image=image):
+                before = report.read_bytes()
+                self.assert_fails(self.tetstream("mesh", image, "-o", self.out / "m.vtu", "--report", report),
+                                  REFUSED, "the report would take the place of", report.name)
+                self.assertEqual(report.read_bytes(), before)
+
     def test_of_another_folder_are_not_followed(self):
         values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
         for name in ("/etc/passwd", "../part.raw"):
