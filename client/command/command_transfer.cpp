@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
 
 #include "client/command/command.h"
 #include "core/base/parallel.h"
@@ -44,6 +45,13 @@ void tell(const std::string& output, const TransferReport& report) {
               report.arrays.size() == 1 ? "array" : "arrays");
   for (const TransferredArray& array : report.arrays) {
     std::printf("%s\n", for_terminal(integral_line(array)).c_str());
+  }
+  if (!report.left_out.empty()) {
+    const std::string names = absl::StrJoin(report.left_out, ", ");
+    std::fprintf(stderr,
+                 "note: arrays of the new mesh as a whole are not kept unless they are "
+                 "text: %s\n",
+                 for_terminal(names).c_str());
   }
   if (report.outside_points == 0 && report.outside_cells == 0) return;
   std::fprintf(

@@ -76,6 +76,7 @@ class VtuReader {
     if (status.ok()) status = read_arrays(header_.point_data, header_.points, mesh.point_data);
     if (status.ok()) status = read_arrays(header_.cell_data, header_.cells, mesh.cell_data);
     if (!status.ok()) return status;
+    mesh.of_whole = std::move(header_.of_whole);
     return mesh;
   }
 

@@ -60,7 +60,8 @@ absl::StatusOr<TransferReport> transfer_files(TaskPool& pool,
                         .arrays = std::move(made->told),
                         .outside_points = made->outside_points,
                         .outside_cells = made->outside_cells,
-                        .farthest = made->farthest};
+                        .farthest = made->farthest,
+                        .left_out = to->of_whole.left_out};
 }
 
 }  // namespace tet

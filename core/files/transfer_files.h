@@ -22,6 +22,9 @@ struct TransferReport {
   std::vector<TransferredArray> arrays;
   std::uint64_t outside_points = 0, outside_cells = 0;  ///< see TransferResult
   double farthest = 0;
+  /// Arrays of the new mesh as a whole that its file does not have as text, and the output does
+  /// not have.
+  std::vector<std::string> left_out;
 };
 
 /// Writes `to` with the arrays of `from` beside its own; of one name those of `from` stay.

@@ -65,14 +65,16 @@ class TagReader {
  public:
   explicit TagReader(std::string_view text) : text_(text) {}
 
-  /// Where the next tag begins to be looked for.
+  /// Where the next tag begins to be looked for, and where the last one began.
   std::size_t position() const noexcept { return at_; }
+  std::size_t begin_of_last() const noexcept { return begin_; }
 
   absl::StatusOr<Tag> next() {
     const std::size_t begin = text_.find('<', at_);
     if (begin == std::string_view::npos) return wrong("its XML has no end");
     const std::size_t end = end_of_tag(begin);
     if (end == std::string_view::npos) return wrong("a tag of its XML has no end");
+    begin_ = begin;
     at_ = end + 1;
     return parse(text_.substr(begin + 1, end - begin - 1));
   }
@@ -122,7 +124,7 @@ class TagReader {
   }
 
   std::string_view text_;
-  std::size_t at_ = 0;
+  std::size_t begin_ = 0, at_ = 0;
 };
 
 template <class Number>
@@ -134,11 +136,15 @@ absl::StatusOr<Number> number_of(const Tag& tag, std::string_view attribute) {
                             shown(text), ", which is no count"));
 }
 
-absl::StatusOr<VtuColumn> column_of(const Tag& tag) {
-  VtuColumn column;
-  column.name = absl::StrReplaceAll(
+std::string array_name(const Tag& tag) {
+  return absl::StrReplaceAll(
       std::string(tag.get("Name")),
       {{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&apos;", "'"}, {"&amp;", "&"}});
+}
+
+absl::StatusOr<VtuColumn> column_of(const Tag& tag) {
+  VtuColumn column;
+  column.name = array_name(tag);
   if (column.name.size() > kMaxNameBytes || !is_utf8(column.name)) {
     return wrong(absl::StrCat("its array ", shown(column.name),
                               " has a name that is no UTF-8 of ", kMaxNameBytes,
@@ -210,10 +216,14 @@ class HeaderParser {
       return wrong("it does not begin with a VTKFile");
     }
     if (tag.name == "Piece") return take_piece(tag);
+    if (tag.name == "/DataArray") keep_text();
     if (tag.name == "DataArray") return take_array(tag);
     static constexpr std::array kSections{"Points", "Cells", "PointData", "CellData",
                                           "FieldData"};
-    if (std::ranges::find(kSections, tag.name) != kSections.end()) section_ = tag.name;
+    if (std::ranges::find(kSections, tag.name) != kSections.end()) {
+      section_ = tag.name;
+      text_begin_.reset();
+    }
     return absl::OkStatus();
   }
 
@@ -231,7 +241,7 @@ class HeaderParser {
   }
 
   absl::Status take_array(const Tag& tag) {
-    if (section_ == "FieldData") return absl::OkStatus();  // of the whole mesh: nothing of ours
+    if (section_ == "FieldData") return take_whole_array(tag);
     absl::StatusOr<VtuColumn> column = column_of(tag);
     if (!column.ok()) return column.status();
     if (section_ == "Points") return set(header_.places, *std::move(column));
@@ -245,6 +255,24 @@ class HeaderParser {
     if (section_ == "PointData") return add(header_.point_data, *std::move(column));
     if (section_ == "CellData") return add(header_.cell_data, *std::move(column));
     return wrong("it has an array that belongs to nothing");
+  }
+
+  /// One that is text is kept as it stands, once its end is found.
+  absl::Status take_whole_array(const Tag& tag) {
+    text_begin_.reset();
+    if (tag.get("format") == "ascii") {
+      text_begin_ = tags_.begin_of_last();
+    } else if (header_.of_whole.left_out.size() < kMaxArrays) {
+      header_.of_whole.left_out.push_back(array_name(tag));
+    }
+    return absl::OkStatus();
+  }
+
+  void keep_text() {
+    const auto begin = std::exchange(text_begin_, std::nullopt);
+    if (!begin) return;
+    const std::string array(text_.substr(*begin, tags_.position() - *begin));
+    absl::StrAppend(&header_.of_whole.text, "      ", array, "\n");
   }
 
   static absl::Status set(std::optional<VtuColumn>& place, VtuColumn column) {
@@ -285,6 +313,7 @@ class HeaderParser {
   TagReader tags_;
   VtuHeader header_;
   std::string_view section_;
+  std::optional<std::size_t> text_begin_;  ///< of an array of text of the whole mesh
   bool is_vtk_ = false, has_piece_ = false;
 };
 

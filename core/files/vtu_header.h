@@ -27,6 +27,7 @@ struct VtuHeader {
   std::uint64_t data_start = 0;  ///< of the data, in the file
   std::optional<VtuColumn> places, connectivity, offsets, types;
   std::vector<VtuColumn> point_data, cell_data;
+  WholeArrays of_whole;
 };
 
 /// VTK's number of a tet with four corners.

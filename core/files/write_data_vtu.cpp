@@ -122,14 +122,17 @@ std::pair<std::string, std::uint64_t> header_of(const DataMesh& mesh) {
   const std::string types = places.add("type=\"UInt8\" Name=\"types\"", tets);
   const std::string point_data = section("PointData", mesh.point_data, places);
   const std::string cell_data = section("CellData", mesh.cell_data, places);
+  const std::string& text = mesh.of_whole.text;
+  const std::string whole =
+      text.empty() ? "" : absl::StrCat("    <FieldData>\n", text, "    </FieldData>\n");
   return {absl::StrCat(
               "<?xml version=\"1.0\"?>\n"
               "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
               "header_type=\"UInt64\">\n"
-              "  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"",
-              mesh.points.size(), "\" NumberOfCells=\"", tets, "\">\n      <Points>\n", points,
-              "      </Points>\n      <Cells>\n", connectivity, offsets, types,
-              "      </Cells>\n", point_data, cell_data,
+              "  <UnstructuredGrid>\n",
+              whole, "    <Piece NumberOfPoints=\"", mesh.points.size(), "\" NumberOfCells=\"",
+              tets, "\">\n      <Points>\n", points, "      </Points>\n      <Cells>\n",
+              connectivity, offsets, types, "      </Cells>\n", point_data, cell_data,
               "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_"),
           places.total()};
 }

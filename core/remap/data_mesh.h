@@ -37,6 +37,12 @@ struct DataArray {
   std::size_t rows() const noexcept { return values.size() / components; }
 };
 
+/// Arrays of a mesh as a whole, as names of its labels: nobody reads them here.
+struct WholeArrays {
+  std::string text;                        ///< those that a .vtu file has as text, as XML
+  std::vector<std::string> left_out = {};  ///< names of those that it has otherwise
+};
+
 /// Tets of either orientation; every id is a point, every coordinate at most kMaxCoordinate.
 struct DataMesh {
   static constexpr double kMaxCoordinate = 1e30;
@@ -44,6 +50,7 @@ struct DataMesh {
   std::vector<WorldPoint> points;
   std::vector<std::array<std::uint32_t, 4>> tets;
   std::vector<DataArray> point_data, cell_data;
+  WholeArrays of_whole;
 
   std::array<WorldPoint, 4> places(std::size_t tet) const noexcept {
     const auto& [a, b, c, d] = tets[tet];

@@ -90,6 +90,28 @@ TEST_F(ReadVtu, ReadsMeshesAsTheMesherWritesThem) {
   EXPECT_EQ(read->cell_data[0].values[5], 2);
 }
 
+TEST_F(ReadVtu, KeepsArraysOfTheWholeMeshThatAreText) {
+  const std::string femur =
+      R"(<DataArray type="Int32" Name="femur" NumberOfTuples="1" format="ascii">1</DataArray>)";
+  const std::string tibia =
+      R"(<DataArray type="Int32" Name="tibia" NumberOfTuples="1" format="ascii">2</DataArray>)";
+  const std::string time = R"(<DataArray type="Float64" Name="Time &amp; day" )"
+                           R"(NumberOfTuples="1" format="appended" offset="0"/>)";
+  const std::string grid = "  <UnstructuredGrid>\n";
+  const auto mesh =
+      read(with(grid, grid + "<FieldData>" + femur + time + tibia + "</FieldData>\n"));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->of_whole.text, "      " + femur + "\n      " + tibia + "\n");
+  EXPECT_THAT(mesh->of_whole.left_out, testing::ElementsAre("Time & day"));
+  const std::string path = folder_.file("again.vtu");
+  ASSERT_TRUE(write_data_vtu(path, *mesh).ok());
+  const auto again = read_vtu(path);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->of_whole.text, mesh->of_whole.text);
+  EXPECT_THAT(again->of_whole.left_out, testing::IsEmpty());
+  EXPECT_EQ(again->points, two_tets().points);
+}
+
 TEST_F(ReadVtu, RefusesAFileThatEndsTooSoonWhereverItEnds) {
   const std::string whole = written();
   const std::size_t needed = whole.rfind("\n  </AppendedData>");
