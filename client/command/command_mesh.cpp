@@ -21,6 +21,7 @@
 #include "client/command/stopwatch.h"
 #include "client/command/use_shape.h"
 #include "client/command/volume_file.h"
+#include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"
 #include "core/files/mesh_file.h"
@@ -192,6 +193,8 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
   const absl::StatusOr<PlacedArray> placed = PlacedArray::of(*options, interruption);
   if (!placed.ok()) return placed.status();
 
+  // What writes and reports has loops of its own, which would take every core by themselves.
+  TaskPool pool(options->threads);
   absl::StatusOr<MadeMesh> made = absl::UnknownError("not made");
   {
     ProgressBar bar;
@@ -202,12 +205,14 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     if (!finished.ok()) return finished;
     const auto output = mesh_output(options->output, options->format);
     if (!output.ok()) return output.status();
-    if (auto status = write_made_mesh(*output, *made, bar, interruption); !status.ok())
-      return status;
+    absl::Status written;
+    pool.run([&] { written = write_made_mesh(*output, *made, bar, interruption); });
+    if (!written.ok()) return written;
   }
   const double seconds = watch.seconds();
   if (!options->report.empty()) {
-    const std::string report = report_json(*made, options->request, seconds);
+    std::string report;
+    pool.run([&] { report = report_json(*made, options->request, seconds); });
     if (auto status = write_text_file(options->report, report); !status.ok()) return status;
   }
   std::printf("%s\n", for_terminal(summary_line(options->output, *made, seconds)).c_str());
