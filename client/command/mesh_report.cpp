@@ -130,7 +130,7 @@ Json json_of(const MeshPart& part, const TetMesh& mesh) {
   MeshView view = mesh.view();
   view.tets = view.tets.subspan(ChunkSizes(mesh.header, 0, part.first_tet).tets,
                                 ChunkSizes(mesh.header, 0, part.tet_count).tets);
-  const QualityStats quality = measure_tets(view);
+  const QualityStats quality = measure_tets(view, part.spacing);
   return {{"name", part.name},
           {"vertices", part.vertex_count},
           {"tets", part.tet_count},

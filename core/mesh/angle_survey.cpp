@@ -12,17 +12,19 @@
 namespace tet {
 namespace {
 
-AngleSurvey survey_range(const MeshView& view,
+AngleSurvey survey_range(const TetMesh& mesh,
                          const AngleGoal& goal,
                          std::uint64_t begin,
                          std::uint64_t end) {
+  const MeshView view = mesh.view();
+  const EdgeScale scale(mesh.header.spacing);
   AngleSurvey survey;
   ExtremeAngles extremes;
   TetBatch batch;
   BatchAngles angles;
   for (std::uint64_t first = begin; first < end; first += TetBatch::kSize) {
     const std::size_t count = std::min<std::uint64_t>(TetBatch::kSize, end - first);
-    load_batch(view, first, count, batch);
+    load_batch(view, first, count, scale, batch);
     measure_batch(batch, angles);
     extremes.add(angles, count,
                  [&](std::size_t lane) { return view.stored_places(first + lane); });
@@ -50,7 +52,7 @@ AngleSurvey survey_angles(const TetMesh& mesh, const AngleGoal& goal) {
   std::vector<AngleSurvey> ranges((tets + kTetsPerRange - 1) / kTetsPerRange);
   for_each_index(ranges.size(), [&](std::size_t r) {
     const std::uint64_t begin = r * kTetsPerRange;
-    ranges[r] = survey_range(mesh.view(), goal, begin, std::min(begin + kTetsPerRange, tets));
+    ranges[r] = survey_range(mesh, goal, begin, std::min(begin + kTetsPerRange, tets));
   });
   AngleSurvey survey;
   for (const AngleSurvey& range : ranges) survey.add(range);

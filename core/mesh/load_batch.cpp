@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <span>
 
@@ -20,10 +21,14 @@ Number read(const std::byte* from) noexcept {
 
 class FloatPositions {
  public:
-  explicit FloatPositions(std::span<const std::byte> bytes) noexcept
-      : first_(bytes.data()), last_(bytes.data() + bytes.size() - kStride) {}
+  FloatPositions(std::span<const std::byte> bytes, const EdgeScale& scale) noexcept
+      : first_(bytes.data()),
+        last_(bytes.data() + bytes.size() - kStride),
+        factor_(scale.factor()) {}
 
-  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept { return row(b) - row(a); }
+  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
+    return factor_ * (row(b) - row(a));
+  }
 
  private:
   static constexpr std::size_t kStride = 3 * sizeof(float);
@@ -35,15 +40,17 @@ class FloatPositions {
   }
 
   const std::byte *first_, *last_;
+  float factor_;
 };
 
 class DoublePositions {
  public:
-  explicit DoublePositions(std::span<const std::byte> bytes) noexcept : first_(bytes.data()) {}
+  DoublePositions(std::span<const std::byte> bytes, const EdgeScale& scale) noexcept
+      : first_(bytes.data()), factor_(static_cast<double>(scale.factor())) {}
 
   FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
     const auto step = [&](std::uint64_t k) {
-      return static_cast<float>(coordinate(b, k) - coordinate(a, k));
+      return static_cast<float>(factor_ * (coordinate(b, k) - coordinate(a, k)));
     };
     return FloatRow{step(0), step(1), step(2), 0};
   }
@@ -54,6 +61,7 @@ class DoublePositions {
   }
 
   const std::byte* first_;
+  double factor_;
 };
 
 template <class Index, class Positions>
@@ -74,8 +82,9 @@ template <class Positions>
 [[gnu::always_inline]] inline void load(const MeshView& view,
                                         std::uint64_t first,
                                         std::uint64_t last,
+                                        const EdgeScale& scale,
                                         TetBatch& batch) noexcept {
-  const Positions positions(view.positions);
+  const Positions positions(view.positions, scale);
   if (view.index_type == IndexType::kUint32) {
     load<std::uint32_t>(view.tets.data(), positions, first, last, batch);
   } else {
@@ -85,18 +94,30 @@ template <class Positions>
 
 }  // namespace
 
+EdgeScale::EdgeScale(double spacing) noexcept {
+  constexpr int kMost = 120;  // both it and its inverse are floats
+  if (!(spacing > 0) || !std::isfinite(spacing)) return;
+  exponent_ = std::clamp(std::ilogb(spacing), -kMost, kMost);
+  factor_ = std::ldexp(1.0F, -exponent_);
+}
+
+double EdgeScale::volume_of(double scaled) const noexcept {
+  return std::ldexp(scaled, 3 * exponent_);
+}
+
 // Rows become columns of eight: without instructions for as many that takes as long again as
 // all that is measured.
 TET_VECTOR_CLONES
 void load_batch(const MeshView& view,
                 std::uint64_t first,
                 std::size_t count,
+                const EdgeScale& scale,
                 TetBatch& batch) noexcept {
   const std::uint64_t last = first + count - 1;
   if (view.coordinate_type == CoordinateType::kFloat32) {
-    load<FloatPositions>(view, first, last, batch);
+    load<FloatPositions>(view, first, last, scale, batch);
   } else {
-    load<DoublePositions>(view, first, last, batch);
+    load<DoublePositions>(view, first, last, scale, batch);
   }
 }
 

@@ -9,7 +9,7 @@ namespace tet {
 /// Measures every tet of a mesh in memory, in parallel; one value for any number of threads.
 QualityStats measure_quality(const TetMesh& mesh);
 
-/// Measures the tets of a view, one after another.
-QualityStats measure_tets(const MeshView& view) noexcept;
+/// Measures the tets of a view, whose edges are about as long as `spacing`, one after another.
+QualityStats measure_tets(const MeshView& view, double spacing) noexcept;
 
 }  // namespace tet

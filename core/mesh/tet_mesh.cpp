@@ -35,6 +35,11 @@ std::uint64_t largest_id(std::span<const std::byte> ids) noexcept {
 
 }  // namespace
 
+double MeshHeader::spacing_at(std::uint64_t tet) const noexcept {
+  const auto after = std::ranges::upper_bound(parts, tet, {}, &MeshPart::first_tet);
+  return after == parts.begin() ? spacing : (after - 1)->spacing;
+}
+
 TET_VECTOR_CLONES
 bool ids_are_within(std::span<const std::byte> ids, const MeshHeader& header) noexcept {
   const std::uint64_t largest = header.index_type == IndexType::kUint64

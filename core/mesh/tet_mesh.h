@@ -120,6 +120,8 @@ struct MeshHeader {
   }
   /// float32 values that a vertex has, of all fields together.
   std::size_t field_values() const noexcept;
+  /// The spacing of the part that a tet belongs to.
+  double spacing_at(std::uint64_t tet) const noexcept;
 };
 
 inline std::size_t MeshHeader::field_values() const noexcept {

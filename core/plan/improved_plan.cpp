@@ -50,7 +50,8 @@ QualityStats ImprovedPlan::fill_chunk(std::uint64_t index,
   if (!columns.fields.empty()) unimproved_->fill_fields(extent, columns);
   if (statistics() == Statistics::kSkipped) return {};
   return measure_tets(
-      {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets});
+      {header().coordinate_type, header().index_type, positions_.bytes(), columns.tets},
+      header().spacing);
 }
 
 std::uint64_t ImprovedPlan::bytes() const noexcept {

@@ -221,7 +221,7 @@ QualityStats measure_chunks(const MeshPlan& plan, const TetMesh& mesh) {
     const std::size_t first = ChunkSizes(mesh.header, 0, extent.first_tet).tets;
     MeshView chunk = mesh.view();
     chunk.tets = chunk.tets.subspan(first, ChunkSizes(mesh.header, 0, extent.tet_count).tets);
-    stats[i] = measure_tets(chunk);
+    stats[i] = measure_tets(chunk, mesh.header.spacing_at(extent.first_tet));
   });
   return sum_of(stats);
 }

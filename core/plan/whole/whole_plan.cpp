@@ -156,7 +156,8 @@ QualityStats WholePlan::fill_chunk(std::uint64_t index,
   copy_from(mesh.face_tets.bytes(), before.face_tets, columns.face_tets);
   copy_from(mesh.face_labels.bytes(), before.face_labels, columns.face_labels);
   if (!columns.fields.empty()) fill_fields(extent, columns);
-  return statistics() == Statistics::kMeasured ? measure_tets(view) : QualityStats{};
+  if (statistics() == Statistics::kSkipped) return {};
+  return measure_tets(view, header().spacing);
 }
 
 KnownOfVertices WholePlan::known_of_vertices() const noexcept {

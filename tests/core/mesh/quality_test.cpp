@@ -57,6 +57,52 @@ TEST(Quality, CountsAnglesWithoutAFaceAsFlat) {
   EXPECT_EQ(angles_in(stats), 6U);
 }
 
+/// A few tets of several shapes whose edges are about `size` long.
+TetMesh tets_of_size(double size, CoordinateType type) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> any(0, 1);
+  std::vector<WorldPoint> points;
+  std::vector<Corners> tets;
+  for (std::uint64_t i = 0; i < 400; i += 4) {
+    for (int k = 0; k < 4; ++k) {
+      const auto along = [&] { return size * static_cast<double>(any(random)); };
+      points.push_back({along(), along(), along()});
+    }
+    tets.push_back({i, i + 1, i + 2, i + 3});
+  }
+  TetMesh mesh = make_mesh(points, tets, {.coordinates = type});
+  mesh.header.spacing = size;
+  return mesh;
+}
+
+// Products of four lengths of 1e-10, or of 1e10, are no floats.
+TEST(Quality, IsTheSameAtEverySize) {
+  for (const CoordinateType type : {CoordinateType::kFloat32, CoordinateType::kFloat64}) {
+    const QualityStats here = measure_quality(tets_of_size(1, type));
+    EXPECT_EQ(angles_in(here), 600U);
+    for (const int power : {-90, -40, -30, -3, 3, 30, 40, 90}) {
+      const double size = std::ldexp(1.0, power);
+      const QualityStats there = measure_quality(tets_of_size(size, type));
+      EXPECT_EQ(there.min_dihedral_deg, here.min_dihedral_deg) << size;
+      EXPECT_EQ(there.max_dihedral_deg, here.max_dihedral_deg) << size;
+      EXPECT_EQ(there.histogram, here.histogram) << size;
+      EXPECT_EQ(there.volume, std::ldexp(here.volume, 3 * power)) << size;
+    }
+  }
+}
+
+TEST(Quality, OfEachPartIsMeasuredByItsOwnSpacing) {
+  TetMesh small = tets_of_size(std::ldexp(1.0, -40), CoordinateType::kFloat32);
+  const QualityStats alone = measure_quality(small);
+  small.header.spacing = std::ldexp(1.0, -90);
+  small.header.parts = {{"none", 0, 0, 0, 0, small.header.spacing, 0},
+                        {"all", 0, small.header.vertex_count, 0, small.header.tet_count,
+                         std::ldexp(1.0, -40), 0}};
+  const QualityStats joined = measure_quality(small);
+  EXPECT_EQ(joined.histogram, alone.histogram);
+  EXPECT_EQ(joined.volume, alone.volume);
+}
+
 TEST(Quality, OfNoTetIsTheNeutralElement) {
   const QualityStats nothing = measure_quality(make_mesh({}, {}));
   QualityStats stats = measure_quality(one_tet());
