@@ -15,6 +15,7 @@
 #include "core/plan/check_face_regions.h"
 #include "core/plan/request_rules.h"
 #include "core/scene/scene.h"
+#include "core/volume/check_transform.h"
 #include "core/volume/inside.h"
 #include "core/volume/label_volume.h"
 
@@ -217,6 +218,7 @@ absl::StatusOr<CanonicalRequest> canonical(const MeshRequest& request, const Sha
     return absl::InvalidArgumentError(
         absl::StrFormat("spacing %g is not a positive number", out.spacing));
   }
+  if (auto status = check_edge("spacing", out.spacing); !status.ok()) return status;
   out.iso = request.iso.value_or(default_iso(shape, request));
   if (!std::isfinite(static_cast<float>(out.iso))) {
     return absl::InvalidArgumentError(absl::StrFormat("iso %g is not a finite float", out.iso));

@@ -10,6 +10,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/tet_geometry.h"
+#include "core/volume/check_transform.h"
 
 namespace tet {
 namespace {
@@ -85,6 +86,7 @@ absl::StatusOr<VoxelSurface> to_voxels(const TriangleSurface& surface, double vo
     return absl::InvalidArgumentError(
         absl::StrFormat("voxel size %g is not positive", voxel_size));
   }
+  if (absl::Status s = check_edge("voxel size", voxel_size); !s.ok()) return s;
   if (surface.triangles.empty()) {
     return absl::InvalidArgumentError("the surface has no triangle");
   }

@@ -28,6 +28,16 @@ double mean_edge_squared(const Matrix& m) {
   return first + ((column_dot(m, 1, 1) - first) + (column_dot(m, 2, 2) - first)) / 3;
 }
 
+/// Whether the columns are at right angles and have this square, up to a part of it.
+bool are_cubes(const Matrix& m, double edge_squared, double tolerance) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double own = column_dot(m, i, i), across = column_dot(m, i, (i + 1) % 3);
+    if (!(std::abs(own - edge_squared) <= tolerance * edge_squared)) return false;
+    if (!(std::abs(across) <= tolerance * edge_squared)) return false;
+  }
+  return true;
+}
+
 /// Longer voxels than this, or flatter ones, are mistakes: a slice is no thousand times as
 /// thick as its pixels are wide.
 constexpr double kMostStretch = 1000, kLeastFlatness = 1e-3;
@@ -81,13 +91,13 @@ bool are_square(const VoxelTransform& transform) noexcept {
 
 bool has_cubic_voxels(const VoxelTransform& transform) noexcept {
   const Matrix& m = transform.linear;
-  const double edge_squared = mean_edge_squared(m);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double own = column_dot(m, i, i), across = column_dot(m, i, (i + 1) % 3);
-    if (!(std::abs(own - edge_squared) <= kTolerance * edge_squared)) return false;
-    if (!(std::abs(across) <= kTolerance * edge_squared)) return false;
-  }
-  return true;
+  return are_cubes(m, mean_edge_squared(m), kTolerance);
+}
+
+bool is_scaled_rotation(const VoxelTransform& transform) noexcept {
+  // A turned matrix is off by a few units of 1e-16; and voxel 2^29 by this is by 1e-3 voxels.
+  constexpr double kRounding = 1e-12;
+  return are_cubes(transform.linear, transform.voxel_size * transform.voxel_size, kRounding);
 }
 
 double voxel_edge(const VoxelTransform& transform) noexcept {
@@ -96,19 +106,23 @@ double voxel_edge(const VoxelTransform& transform) noexcept {
   return std::min({edges[0], edges[1], edges[2]});
 }
 
+absl::Status check_edge(std::string_view what, double length) {
+  if (may_be_edge(length)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s %g is not from %g to %g: use another unit of length", what, length,
+                      kShortestEdge, kLongestEdge));
+}
+
 absl::Status check_transform(const VoxelTransform& transform) {
-  constexpr double kShortestEdge = 1e-60,
-                   kLongestEdge = 1e60;  // their cubes are doubles by far
   const auto& at = transform.translation;
   const auto edges = voxel_edges(transform);
   const bool usable =
       std::all_of(at.begin(), at.end(), [](double x) { return std::isfinite(x); }) &&
-      std::all_of(edges.begin(), edges.end(),
-                  [](double x) { return x >= kShortestEdge && x <= kLongestEdge; });
+      std::all_of(edges.begin(), edges.end(), may_be_edge);
   if (!usable) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "its transform is not usable: voxels of %g x %g x %g, of which no edge may be shorter "
-        "than %g or longer than %g, translation (%g, %g, %g)",
+        "than %g or longer than %g, translation (%g, %g, %g): use another unit of length",
         edges[0], edges[1], edges[2], kShortestEdge, kLongestEdge, at[0], at[1], at[2]));
   }
   if (absl::Status s = check_shape(transform); !s.ok()) return s;

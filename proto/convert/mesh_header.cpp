@@ -13,6 +13,7 @@
 
 #include "core/base/utf8.h"
 #include "core/plan/vertex_field.h"
+#include "core/volume/check_transform.h"
 #include "core/volume/grid_info.h"
 #include "proto/convert/counts.h"
 #include "proto/convert/face_labels.h"
@@ -39,8 +40,9 @@ absl::Status check_counts(const v1::MeshHeader& message) {
 }
 
 absl::Status check_spacing(double spacing, int levels) {
-  if (!(spacing >= 0 && std::isfinite(spacing))) {
-    return bad(absl::StrFormat("spacing %g is negative or not finite", spacing));
+  if (spacing != 0 && !may_be_edge(spacing)) {
+    return bad(absl::StrFormat("spacing %g is not from %g to %g", spacing, kShortestEdge,
+                               kLongestEdge));
   }
   if (0 <= levels && levels <= kMaxLevels) return absl::OkStatus();
   return bad(absl::StrFormat("levels %d is not from 0 to %d", levels, kMaxLevels));

@@ -11,6 +11,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
+#include "core/volume/check_transform.h"
 #include "core/volume/volume_builder.h"
 
 namespace tetstream {
@@ -52,6 +53,7 @@ absl::Status check(const SampleArray& samples) {
     return absl::InvalidArgumentError(
         absl::StrFormat("spacing %g is not positive", samples.spacing));
   }
+  if (absl::Status s = tet::check_edge("spacing", samples.spacing); !s.ok()) return s;
   for (const double coordinate : samples.origin) {
     if (std::isfinite(coordinate)) continue;
     return absl::InvalidArgumentError(absl::StrFormat("origin %g is not finite", coordinate));

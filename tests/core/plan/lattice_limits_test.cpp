@@ -1,19 +1,26 @@
 // Where a lattice meets the limits of its numbers: far away, and on the surface to the bit.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/mesh/quality.h"
+#include "core/mesh/tet_shapes.h"
 #include "core/plan/budget.h"
 #include "core/plan/make/plan_mesh.h"
+#include "core/volume/label_volume.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/conformity.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/scenes.h"
+#include "tests/support/solids.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {
@@ -155,6 +162,80 @@ TEST(LatticeLimits, ABoxTooFarAwayForItsVoxelsIsRefused) {
   const absl::Status refused = refusal_of(ball_at(0), request, {});
   EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(refused.message()), HasSubstr("Use a nearer box"));
+}
+
+Shape one_label() {
+  LabelVolumeBuilder builder("labels", {}, {{0, 0, 0}, {7, 7, 7}});
+  std::array<std::int64_t, kBrickCells> values;
+  values.fill(1);
+  EXPECT_TRUE(builder.add_brick({0, 0, 0}, values).ok());
+  return std::make_shared<const LabelVolume>(std::move(builder).build());
+}
+
+// Their positions were infinite, or all zero, and nothing said so.
+TEST(LatticeLimits, SpacingsThatPositionsDoNotHoldAreRefusedOfEveryShape) {
+  Volume named = test::ball(12);
+  named.name = "ball";
+  const auto ball = std::make_shared<const Volume>(std::move(named));
+  test::SceneWriter writer;
+  writer.add(scene::Sphere{1});
+  MeshRequest plain, cut, graded, both, labels;
+  cut.box = WorldBox{{-20, -20, 0}, {20, 20, 20}};
+  graded.sizing.coarsest = 8;
+  graded.sizing.grade_surface = true;
+  both.preset = Preset::kBothSides;
+  labels.labels = LabelChoice();
+  const std::vector<std::pair<Shape, MeshRequest>> all{
+      {ball, plain},
+      {ball, cut},
+      {ball, graded},
+      {ball, both},
+      {GridList{ball}, plain},
+      {GridList{ball}, labels},
+      {std::make_shared<const Scene>(writer.scene()), plain},
+      {one_label(), labels}};
+  for (const double spacing : {1e-46, 1e-29, 1e29, 1e50}) {
+    for (const auto& [shape, asked] : all) {
+      MeshRequest request = asked;
+      request.spacing = spacing;
+      const absl::Status refused = plan_mesh({.shape = shape, .request = request}).status();
+      EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << spacing;
+      EXPECT_THAT(std::string(refused.message()), HasSubstr("is not from 1e-28 to 1e+28"));
+    }
+  }
+}
+
+/// A ball of 12 voxels that are 2^power long.
+MeshResult improved_ball(int power) {
+  VoxelTransform transform;
+  transform.voxel_size = std::ldexp(1.0, power);
+  for (std::size_t i = 0; i < 3; ++i) transform.linear[i][i] = transform.voxel_size;
+  MeshRequest request;
+  request.improve = true;
+  return test::mesh(test::ball(12, transform), request);
+}
+
+TEST(LatticeLimits, AMeshOfAnySizeIsThatOfAnyOtherButForItsUnit) {
+  const MeshResult here = improved_ball(0);
+  const QualityStats measured = measure_quality(here.mesh);
+  for (const int power : {-92, -32, 32, 92}) {
+    const MeshResult there = improved_ball(power);
+    ASSERT_TRUE(std::ranges::equal(there.mesh.tets.bytes(), here.mesh.tets.bytes()));
+    for (std::uint64_t i = 0; i < here.mesh.header.vertex_count; ++i) {
+      const WorldPoint a = here.mesh.stored_position(i), b = there.mesh.stored_position(i);
+      ASSERT_EQ(b, (WorldPoint{std::ldexp(a.x, power), std::ldexp(a.y, power),
+                               std::ldexp(a.z, power)}));
+    }
+    EXPECT_EQ(there.quality.histogram, here.quality.histogram) << power;
+    EXPECT_EQ(there.quality.volume, std::ldexp(here.quality.volume, 3 * power));
+    EXPECT_EQ(measure_quality(there.mesh).histogram, measured.histogram) << power;
+    EXPECT_EQ(there.improvement->moved_vertices, here.improvement->moved_vertices);
+    const ShapeStats shapes = measure_shapes(there.mesh), before = measure_shapes(here.mesh);
+    EXPECT_EQ(shapes.not_positive, 0U);
+    EXPECT_EQ(shapes.scaled_jacobian.histogram, before.scaled_jacobian.histogram);
+    EXPECT_EQ(shapes.radius_ratio.histogram, before.radius_ratio.histogram);
+    EXPECT_EQ(shapes.edges.histogram, before.edges.histogram);
+  }
 }
 
 TEST(LatticeLimits, MeshingWithoutStatisticsIsAdvisedWhereItHelps) {

@@ -375,6 +375,7 @@ TEST(Conversions, RefuseAHostileHeader) {
        {"bounds", [](M& m) { m.mutable_bounds()->mutable_max()->set_z(kInfinity); }},
        {"spacing", [](M& m) { m.set_spacing(-1); }},
        {"spacing", [](M& m) { m.set_spacing(kNan); }},
+       {"spacing 1e-46", [](M& m) { m.set_spacing(1e-46); }},
        {"levels", [](M& m) { m.set_levels(kMaxLevels + 1); }},
        {"levels", [](M& m) { m.set_levels(-1); }},
        {"fields[0]", [](M& m) { m.mutable_fields(0)->set_components(2); }},
@@ -384,6 +385,7 @@ TEST(Conversions, RefuseAHostileHeader) {
        {"parts[1]", [](M& m) { m.mutable_parts(1)->set_first_vertex(2); }},
        {"parts[1]", [](M& m) { m.mutable_parts(1)->set_tet_count(-1); }},
        {"parts[1]", [](M& m) { m.mutable_parts(1)->set_spacing(kInfinity); }},
+       {"parts[1]", [](M& m) { m.mutable_parts(1)->set_spacing(1e50); }},
        {"parts", [](M& m) { m.mutable_parts()->RemoveLast(); }}});
 }
 
