@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "core/base/rank_mask.h"
 #include "core/base/union_find.h"
 #include "core/base/vec3.h"
+#include "core/scene/waves.h"
 
 namespace tet {
 namespace {
@@ -351,7 +351,7 @@ CreasePatches find_crease_patches(const TetMesh& surface,
   // Directions are floats: flat faces must be alike at any angle.
   constexpr double kRounding = 1e-6;
   const auto likeness_at = [&](double degrees) {
-    return static_cast<float>(std::cos(degrees * std::numbers::pi / 180) - kRounding);
+    return static_cast<float>(scene::cos_of_turns(degrees / 360) - kRounding);
   };
   constexpr double kSmoothPart = 0.25;  // bevels turn by more from triangle to triangle
   PatchFinder finder(faces, likeness_at(angle_deg), cancellation);

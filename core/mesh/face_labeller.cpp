@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include "core/base/parallel.h"
+#include "core/scene/waves.h"
 
 namespace tet {
 namespace {
@@ -124,7 +124,9 @@ FaceLabeller::Prepared FaceLabeller::prepare(const FaceRegion& region,
   if (region.half_space) prepared.normal = unit(vector_to(region.half_space->normal));
   if (region.facing) {
     prepared.direction = unit(vector_to(region.facing->direction));
-    prepared.least_cos = std::cos(region.facing->angle_deg * std::numbers::pi / 180);
+    // A face at the very angle is meant, and rounding does not turn it away.
+    constexpr double kRounding = 1e-12;
+    prepared.least_cos = scene::cos_of_turns(region.facing->angle_deg / 360) - kRounding;
   }
   if (scene != nullptr && !region.node.empty()) {
     prepared.leaves = instructions_of(region.node, *scene);
