@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "core/scene/scene_evaluator.h"
-#include "core/volume/to_voxel.h"
 #include "core/volume/trilinear_cell.h"
 
 namespace tet {
@@ -32,6 +31,7 @@ struct AxisPlace {
 WorldPhi::WorldPhi(const PhiField& field, double step) : field_(field), step_(step) {
   if (field.scene == nullptr) {
     reader_.emplace(*field.volume);
+    to_voxel_.emplace(field.volume->transform);
   } else {
     scene_ = std::make_unique<SceneEvaluator>(*field.scene);
   }
@@ -65,18 +65,19 @@ PhiSlope WorldPhi::slope_in_scene(const WorldPoint& p) noexcept {
 }
 
 PhiSlope WorldPhi::slope_in_volume(const WorldPoint& p) noexcept {
-  const VoxelTransform& transform = field_.volume->transform;
-  const VoxelPoint voxel = to_voxel(transform, p);
+  const VoxelPoint voxel = (*to_voxel_)(p);
   const AxisPlace x(voxel.x), y(voxel.y), z(voxel.z);
   TrilinearCell values{};
   std::ranges::copy(reader_->cell({x.cell, y.cell, z.cell}), values.corner.begin());
   const ValueSlope found = values.at(x.rest, y.rest, z.rest);
   const double sign = field_.negated() ? -1 : 1;
-  // `linear` is a voxel's size times a rotation, so its transpose is the inverse but for that.
-  const double scale = sign / (transform.voxel_size * transform.voxel_size);
-  const auto across = [&](std::size_t row) {
-    const auto& a = transform.linear[row];
-    return scale * (a[0] * found.slope.x + a[1] * found.slope.y + a[2] * found.slope.z);
+  // A slope goes the other way than points do, so its map is the inverse, transposed.
+  const InverseLinear& inverse = to_voxel_->inverse();
+  const double scale = sign / inverse.divisor;
+  const auto across = [&](std::size_t axis) {
+    return scale *
+           (inverse.row[0][axis] * found.slope.x + inverse.row[1][axis] * found.slope.y +
+            inverse.row[2][axis] * found.slope.z);
   };
   return {sign * (found.value - static_cast<double>(field_.iso)),
           {across(0), across(1), across(2)}};

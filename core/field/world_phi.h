@@ -7,6 +7,7 @@
 #include "core/base/types.h"
 #include "core/base/vec3.h"
 #include "core/field/phi_field.h"
+#include "core/volume/to_voxel.h"
 #include "core/volume/volume_reader.h"
 
 namespace tet {
@@ -38,6 +39,7 @@ class WorldPhi {
   PhiField field_;
   double step_;
   std::optional<VolumeReader> reader_;     // of a volume
+  std::optional<ToVoxel> to_voxel_;        // of a volume
   std::unique_ptr<SceneEvaluator> scene_;  // of a scene
 };
 

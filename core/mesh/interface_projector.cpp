@@ -38,15 +38,14 @@ InterfaceProjector::InterfaceProjector(std::unique_ptr<InterfaceProbe> probe,
                                        const MeshHeader& mesh)
     : probe_(std::move(probe)),
       to_world_(to_world),
-      inverse_square_(1 / (mesh.spacing * mesh.spacing)),
+      to_lattice_(VoxelTransform{to_world.linear, {}, mesh.spacing}),
+      per_divisor_(1 / to_lattice_.divisor),
       floats_(mesh.coordinate_type == CoordinateType::kFloat32) {}
 
-// `linear` is the spacing times a rotation, so its transpose is the inverse but for that.
 WorldPoint InterfaceProjector::lattice_of(const WorldPoint& stored) const noexcept {
   const auto along = [&](std::size_t axis) {
-    return inverse_square_ *
-           (to_world_.linear[0][axis] * stored.x + to_world_.linear[1][axis] * stored.y +
-            to_world_.linear[2][axis] * stored.z);
+    const auto& row = to_lattice_.row[axis];
+    return per_divisor_ * (row[0] * stored.x + row[1] * stored.y + row[2] * stored.z);
   };
   return {to_world_.origin.x + along(0), to_world_.origin.y + along(1),
           to_world_.origin.z + along(2)};
@@ -87,11 +86,12 @@ bool InterfaceProjector::enter(std::span<const Label> labels, const WorldPoint& 
 bool InterfaceProjector::find_axes(const Slopes& here) noexcept {
   for (std::size_t i = 0; i < functions_; ++i) {
     const Vector& slope = here.of[i].slope;
-    const auto row = [&](std::size_t r) {
-      const auto& linear = to_world_.linear[r];
-      return linear[0] * slope.x + linear[1] * slope.y + linear[2] * slope.z;
+    // A slope goes the other way than points do, so its map is the inverse, transposed.
+    const auto along_axis = [&](std::size_t axis) {
+      const auto& row = to_lattice_.row;
+      return row[0][axis] * slope.x + row[1][axis] * slope.y + row[2][axis] * slope.z;
     };
-    const Vector across_it{row(0), row(1), row(2)};
+    const Vector across_it{along_axis(0), along_axis(1), along_axis(2)};
     const Vector rest = across(across_it, std::span(axes_).first(i));
     const double far = length(rest);
     if (!(far > kLeastSine * length(across_it))) return false;

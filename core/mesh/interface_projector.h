@@ -13,6 +13,7 @@
 #include "core/labels/label.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/volume/to_voxel.h"
 
 namespace tet {
 
@@ -63,7 +64,8 @@ class InterfaceProjector {
 
   const std::unique_ptr<InterfaceProbe> probe_;
   const LatticeToWorld to_world_;
-  double inverse_square_;  // of the spacing
+  const InverseLinear to_lattice_;  // of stored positions
+  double per_divisor_;              // 1 / to_lattice_.divisor
   bool floats_;
 
   // These belong to what was entered.

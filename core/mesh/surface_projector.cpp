@@ -1,7 +1,9 @@
 #include "core/mesh/surface_projector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/scene/scene_evaluator.h"
 #include "core/volume/trilinear_cell.h"
@@ -12,8 +14,8 @@ SurfaceProjector::SurfaceProjector(const PhiField& field,
                                    const LatticeToWorld& to_world,
                                    const MeshHeader& mesh)
     : field_(field),
-      linear_(field.voxel_transform().linear),
-      inverse_square_(1 / std::pow(field.voxel_transform().voxel_size, 2)),
+      to_voxels_(field.voxel_transform()),
+      per_divisor_(1 / to_voxels_.divisor),
       spacing_(mesh.spacing),
       floats_(mesh.coordinate_type == CoordinateType::kFloat32) {
   if (field.scene != nullptr) {
@@ -21,9 +23,10 @@ SurfaceProjector::SurfaceProjector(const PhiField& field,
   } else {
     reader_.emplace(*field.volume);
   }
-  const auto split = [&](std::int32_t lattice, std::int32_t& whole, double& rest) {
+  // A scene's voxels are world units, and a far origin lies beyond the numbers of voxels.
+  const auto split = [&](std::int32_t lattice, double& whole, double& rest) {
     const double voxel = field.spacing_voxels * lattice;
-    whole = static_cast<std::int32_t>(std::floor(voxel));
+    whole = std::floor(voxel);
     rest = voxel - whole;
   };
   split(to_world.origin.x, origin_.x, beyond_origin_.x);
@@ -53,10 +56,9 @@ PhiSlope SurfaceProjector::at_world(const WorldPoint& p) noexcept {
 }
 
 PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
-  // `linear` is a voxel's size times a rotation, so its transpose is the inverse but for that.
   const auto along = [&](std::size_t axis) {
-    return inverse_square_ *
-           (linear_[0][axis] * p.x + linear_[1][axis] * p.y + linear_[2][axis] * p.z);
+    const auto& row = to_voxels_.row[axis];
+    return per_divisor_ * (row[0] * p.x + row[1] * p.y + row[2] * p.z);
   };
   const double x = beyond_origin_.x + along(0);
   const double y = beyond_origin_.y + along(1);
@@ -68,9 +70,12 @@ PhiSlope SurfaceProjector::at(const WorldPoint& p) noexcept {
 /// At a voxel relative to the origin.
 PhiSlope SurfaceProjector::at_voxel(double x, double y, double z) noexcept {
   const double cx = std::floor(x), cy = std::floor(y), cz = std::floor(z);
-  const VoxelCoord cell{origin_.x + static_cast<std::int32_t>(cx),
-                        origin_.y + static_cast<std::int32_t>(cy),
-                        origin_.z + static_cast<std::int32_t>(cz)};
+  // Beyond index space nothing is stored, and all cells are alike.
+  const auto index = [](double voxel) {
+    constexpr double kMost = 2.0 * kMaxVoxelCoord;
+    return static_cast<std::int32_t>(std::clamp(voxel, -kMost, kMost));
+  };
+  const VoxelCoord cell{index(origin_.x + cx), index(origin_.y + cy), index(origin_.z + cz)};
   TrilinearCell values{};
   for (int i = 0; i < 8; ++i) {
     values.corner[static_cast<std::size_t>(i)] =
@@ -79,9 +84,10 @@ PhiSlope SurfaceProjector::at_voxel(double x, double y, double z) noexcept {
   const ValueSlope voxel = values.at(x - cx, y - cy, z - cz);
   const double sign = field_.negated() ? -1 : 1;
   const Vector& g = voxel.slope;
-  const auto across = [&](std::size_t row) {
-    return sign * inverse_square_ *
-           (linear_[row][0] * g.x + linear_[row][1] * g.y + linear_[row][2] * g.z);
+  // A slope goes the other way than points do, so its map is the inverse, transposed.
+  const auto across = [&](std::size_t axis) {
+    const auto& row = to_voxels_.row;
+    return sign * per_divisor_ * (row[0][axis] * g.x + row[1][axis] * g.y + row[2][axis] * g.z);
   };
   return {sign * (voxel.value - static_cast<double>(field_.iso)),
           {across(0), across(1), across(2)}};

@@ -1,7 +1,6 @@
 // Moving points onto the surface of a field.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 
@@ -11,6 +10,7 @@
 #include "core/field/world_phi.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/volume/to_voxel.h"
 #include "core/volume/volume_reader.h"
 
 namespace tet {
@@ -50,12 +50,12 @@ class SurfaceProjector {
   PhiSlope at_world(const WorldPoint& p) noexcept;
 
   PhiField field_;
-  std::optional<VolumeReader> reader_;           // of a volume
-  std::unique_ptr<SceneEvaluator> scene_;        // of a scene
-  std::array<std::array<double, 3>, 3> linear_;  // voxels to stored positions
-  double inverse_square_;                        // of a voxel's size
-  VoxelCoord origin_;                            // whole voxels, which are exact anywhere
-  WorldPoint beyond_origin_;                     // and the rest
+  std::optional<VolumeReader> reader_;     // of a volume
+  std::unique_ptr<SceneEvaluator> scene_;  // of a scene
+  InverseLinear to_voxels_;                // of stored positions
+  double per_divisor_;                     // 1 / to_voxels_.divisor
+  VoxelPoint origin_;                      // whole voxels, which are exact anywhere
+  VoxelPoint beyond_origin_;               // and the rest
   double spacing_;
   bool floats_;
 };

@@ -36,7 +36,7 @@ struct CellRange {
 class VoxelPlaces {
  public:
   VoxelPlaces(const Volume& grid, const VoxelTransform& lattice)
-      : grid_(grid.transform), lattice_(lattice) {
+      : grid_(grid.transform), to_lattice_(lattice) {
     const Triple origin = at({0, 0, 0});
     for (const VoxelPoint& axis : {VoxelPoint{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
       const Triple step = at(axis);
@@ -46,12 +46,14 @@ class VoxelPlaces {
 
   /// The cells of a level that the cube reaches into.
   CellRange cells(const Cube& cube, int level) const {
-    // Faces that are meant to meet do so within rounding errors.
+    // Faces that are meant to meet do so within rounding errors; a smaller cube, between two
+    // cells, is still in both.
     constexpr double kSame = 1e-6;
     const Triple centre = at(middle(cube));
     CellRange range;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double half = cube.edge * half_[axis] - kSame;
+      const double reach = cube.edge * half_[axis];
+      const double half = reach - std::min(kSame, reach / 2);
       range.first[axis] = cell(centre[axis] - half, level);
       range.last[axis] = cell(centre[axis] + half, level);
     }
@@ -70,7 +72,7 @@ class VoxelPlaces {
     return {cube.min.x + half, cube.min.y + half, cube.min.z + half};
   }
   Triple at(const VoxelPoint& voxel) const {
-    const auto [x, y, z] = to_voxel(lattice_, grid_.to_world(voxel));
+    const auto [x, y, z] = to_lattice_(grid_.to_world(voxel));
     return {x, y, z};
   }
   static std::int64_t cell(double at, int level) {
@@ -79,7 +81,8 @@ class VoxelPlaces {
         std::floor(std::ldexp(std::clamp(at, -kMost, kMost), -level)));
   }
 
-  const VoxelTransform grid_, lattice_;
+  const VoxelTransform grid_;
+  const ToVoxel to_lattice_;
   Triple half_{};  ///< of a voxel, along the lattice's axes
 };
 

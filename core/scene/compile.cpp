@@ -11,7 +11,6 @@
 
 #include "core/scene/scene.h"
 #include "core/scene/waves.h"
-#include "core/volume/check_transform.h"
 #include "core/volume/inside.h"
 #include "core/volume/to_voxel.h"
 
@@ -83,16 +82,12 @@ Frame unscaled(const Frame& frame, const Triple& scale) {
   return out;
 }
 
-/// Extends a frame to a grid's index space. Of cubic voxels the transpose, scaled, is the
-/// inverse.
+/// Extends a frame to a grid's index space.
 Frame to_voxels(const Frame& frame, const VoxelTransform& transform) {
-  if (!has_cubic_voxels(transform)) {
-    return then(moved(frame, transform.translation), inverse_linear(transform), {0, 0, 0});
-  }
-  const double per_square = 1 / (transform.voxel_size * transform.voxel_size);
-  Matrix linear{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) linear[i][k] = transform.linear[k][i] * per_square;
+  const InverseLinear inverse(transform);
+  Matrix linear = inverse.row;
+  for (Triple& row : linear) {
+    for (double& entry : row) entry *= 1 / inverse.divisor;
   }
   return then(moved(frame, transform.translation), linear, {0, 0, 0});
 }

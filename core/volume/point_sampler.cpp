@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/base/vector_clones.h"
-#include "core/volume/check_transform.h"
 #include "core/volume/to_voxel.h"
 #include "core/volume/voxel_block.h"
 
@@ -26,19 +25,10 @@ inline double between(double low, double high, double weight) noexcept {
   return low + weight * (high - low);
 }
 
-/// The other way round: of a rotation, scaled, the inverse is the transpose, scaled back.
+/// The other way round.
 VoxelTransform inverse(const VoxelTransform& transform) noexcept {
   VoxelTransform inverse = transform;
-  if (!has_cubic_voxels(transform)) {
-    inverse.linear = inverse_linear(transform);
-    return inverse;
-  }
-  const double square = transform.voxel_size * transform.voxel_size;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      inverse.linear[i][j] = transform.linear[j][i] / square;
-    }
-  }
+  inverse.linear = InverseLinear(transform).matrix();
   return inverse;
 }
 

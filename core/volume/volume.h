@@ -39,7 +39,8 @@ enum class KindSource : std::uint8_t {
 enum class InsideSide : std::uint8_t { kBelow, kAbove };
 
 /// world = linear * voxel + translation. Of cubic voxels (core/volume/check_transform.h)
-/// `linear` is `voxel_size` times a rotation, or a rotation and a mirror: every angle is kept.
+/// `linear` is `voxel_size` times a rotation, or a rotation and a mirror, up to what float32
+/// matrices are off by: every angle is kept.
 struct VoxelTransform {
   std::array<std::array<double, 3>, 3> linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   std::array<double, 3> translation{};

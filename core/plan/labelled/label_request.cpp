@@ -127,7 +127,7 @@ std::shared_ptr<const LabelVoxels> voxels_on(const LatticeAxes& axes,
                                              const LabelVolume& volume,
                                              std::shared_ptr<const VolumeLabels> labels) {
   if (axes.are_the_images) return labels;
-  ResampledLabels::Map map{inverse_linear(volume.transform), {}};
+  ResampledLabels::Map map{InverseLinear(volume.transform).matrix(), {}};
   const auto& at = volume.transform.translation;
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t axis = 0; axis < 3; ++axis) {

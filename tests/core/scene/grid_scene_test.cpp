@@ -9,6 +9,8 @@
 #include "core/volume/check_transform.h"
 #include "core/volume/to_voxel.h"
 #include "core/volume/volume_builder.h"
+#include "tests/support/nearly_cubic.h"
+#include "tests/support/volume_fixtures.h"
 
 namespace tet {
 namespace {
@@ -50,6 +52,21 @@ TEST(GridScene, HasTheValuesOfItsVoxelsWhereTheseLie) {
     const double phi = evaluator.at(volume->transform.to_world(voxel));
     EXPECT_NEAR(phi, reader.trilinear(voxel) - 0.25, 1e-9);
   }
+}
+
+TEST(GridScene, HasTheValuesOfItsVoxelsFarOutWhereTheseAreNearlyCubic) {
+  const VoxelCoord at = test::kFarVoxel;
+  const auto value = [&](VoxelCoord v) {
+    return static_cast<float>(0.25 * (v.x - at.x) - 0.5 * (v.y - at.y) + (v.z - at.z));
+  };
+  const auto volume = std::make_shared<const Volume>(
+      test::dense_volume({{at.x - 8, at.y - 8, at.z - 8}, {at.x + 8, at.y + 8, at.z + 8}}, 20,
+                         value, test::nearly_cubic()));
+  const Scene scene = scene_of_grid(volume, 0, InsideSide::kBelow);
+  SceneEvaluator evaluator(scene);
+  VolumeReader reader(*volume);
+  const VoxelPoint voxel{at.x + 1.25, at.y - 2.0, at.z + 0.5};
+  EXPECT_NEAR(evaluator.at(volume->transform.to_world(voxel)), reader.trilinear(voxel), 1e-6);
 }
 
 TEST(GridScene, ReachesAsFarAsItsInside) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/volume/volume_builder.h"
+#include "tests/support/nearly_cubic.h"
 #include "tests/support/volume_fixtures.h"
 
 namespace tet {
@@ -91,6 +92,19 @@ VoxelTransform turned(double voxel) {
   transform.translation = {10.25, -3.5, 0.125};
   transform.voxel_size = voxel;
   return transform;
+}
+
+TEST(PointSampler, FindsTheVoxelsFarOutInAGridThatIsNearlyCubic) {
+  const VoxelCoord at = test::kFarVoxel;
+  const auto value = [&](VoxelCoord v) {
+    return static_cast<float>(0.25 * (v.x - at.x) - 0.5 * (v.y - at.y) + (v.z - at.z));
+  };
+  const VoxelTransform transform = test::nearly_cubic();
+  const auto volumes = shared({test::dense_volume(
+      {{at.x - 8, at.y - 8, at.z - 8}, {at.x + 8, at.y + 8, at.z + 8}}, 0, value, transform)});
+  PointSampler sampler(volumes);
+  const WorldPoint p = transform.to_world({at.x + 1.25, at.y - 2.0, at.z + 0.5});
+  EXPECT_NEAR(sampled(sampler, {p})[0], 0.25 * 1.25 + 0.5 * 2 + 0.5, 1e-5);
 }
 
 TEST(PointSampler, ReproducesALinearFunctionWhereverTheVoxelsLie) {
