@@ -56,10 +56,11 @@ Reach RegionShape::reach(const Box& box, const LatticeSpan& span) noexcept {
   const auto& [x, y, z] = span.centre;
   const Triple centre = triple_of(box.lattice.to_world({x, y, z}));
   const Triple min = triple_of(box.box.min), max = triple_of(box.box.max);
-  // Faces that are meant to meet do so within rounding errors.
-  const double same = 1e-6 * box.lattice.voxel_size;
   bool all = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Faces that are meant to meet do so within rounding errors; a thinner box, between two
+    // cells, is still in both.
+    const double same = std::min(1e-6 * box.lattice.voxel_size, (max[axis] - min[axis]) / 4);
     double half = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       half += std::abs(box.lattice.linear[axis][i]) * span.half[i];

@@ -139,6 +139,17 @@ TEST(Sizing, KnowsRegionsOfEveryShape) {
   });
 }
 
+// Thinner than what rounding errors are allowed, and just where two cells meet.
+TEST(Sizing, KeepsLeavesSmallInARegionAsThinAsASheet) {
+  for (const double half : {1e-3, 1e-7, 1e-10}) {
+    const WorldBox sheet{{-16 - half, -24, -24}, {-16 + half, -8, -8}};
+    const LeafMap leaves = grow({.regions = {{1, sheet}}});
+    for (const int x : {-17, -16}) {
+      EXPECT_EQ(leaves.at(x, -16, -16), 0) << x << ", " << half << " thick on either side";
+    }
+  }
+}
+
 /// A grid of sizes with voxels of `voxel`, which ask for `size` from (-16, -16, -16) to 16 and
 /// for nothing elsewhere.
 Sizing by_grid(float size, double voxel) {
@@ -179,6 +190,24 @@ TEST(Sizing, KeepsLeavesAsSmallAsAGridSays) {
     EXPECT_EQ(leaves.at(-brick, 0, 0), 0) << "where a brick's first voxel lies";
   }
   EXPECT_EQ(grow(by_grid(4, 1)).at(-13, -13, -13), 2) << "and not smaller";
+}
+
+TEST(Sizing, KeepsLeavesSmallAtAVoxelAsSmallAsAPoint) {
+  for (const double voxel : {1e-2, 1e-7}) {
+    VoxelTransform transform;
+    transform.voxel_size = voxel;
+    for (std::size_t axis = 0; axis < 3; ++axis) transform.linear[axis][axis] = voxel;
+    transform.translation = {-16, -15.5, -15.5};  // where two cells meet
+    VolumeBuilder builder(VolumeKind::kLevelSet, 0, transform);
+    std::array<float, kBrickCells> values{};
+    values[0] = 1;
+    builder.add_brick({0, 0, 0}, values);
+    Sizing sizing;
+    sizing.grid =
+        SizingGrid{"", "", std::make_shared<const Volume>(*std::move(builder).build())};
+    const LeafMap leaves = grow(sizing);
+    for (const int x : {-17, -16}) EXPECT_EQ(leaves.at(x, -16, -16), 0) << x << ' ' << voxel;
+  }
 }
 
 TEST(Sizing, TakesAGridsPositiveBackgroundForTheCoarsestSize) {
