@@ -63,8 +63,9 @@ std::optional<Survey> find_block(const PreparedMesh& prepared,
   if (!bytes) return std::nullopt;
   auto survey = read_survey(*bytes, bricks, prepared.space.rules.both_sides);
   if (survey && prepared.space.skip_topology) {
-    survey->counts.clear();
-    survey->sheets.clear();
+    // A row for each brick, as where the block is surveyed here: later rows keep their places.
+    survey->counts.assign(survey->bricks.size(), {});
+    survey->sheets.assign(survey->bricks.size(), {});
     survey->parts.clear();
   }
   return survey;

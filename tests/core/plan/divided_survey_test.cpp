@@ -103,6 +103,23 @@ TEST(DividedSurvey, SurveysWhatDoesNotArrive) {
   }
 }
 
+// What is not counted has rows all the same: whoever looks one up by its brick finds its own.
+TEST(DividedSurvey, HasARowForEveryBrickWithoutStatistics) {
+  Input input = inputs()[3];
+  const std::vector<Block> blocks = survey_all(input);
+  std::vector<std::optional<Block>> arrived(blocks.begin(), blocks.end());
+  for (std::size_t i = 0; i < arrived.size(); i += 2) arrived[i] = std::nullopt;
+  input.request.skip_statistics = true;
+  const auto prepared = prepare_mesh(input.volume, input.request, {}, Cancellation());
+  ASSERT_TRUE(prepared.ok());
+  const auto survey = join_survey(*prepared, found_among(arrived), Cancellation(), nullptr);
+  ASSERT_TRUE(survey.ok());
+  EXPECT_FALSE(survey->has_topology);
+  EXPECT_EQ(survey->counts.size(), survey->bricks.size());
+  EXPECT_EQ(survey->sheets.size(), survey->bricks.size());
+  EXPECT_TRUE(survey->parts.empty());
+}
+
 TEST(DividedSurvey, MakesTheSameBytesOfABlockAnywhere) {
   const Input input = inputs()[2];
   const std::vector<Block> first = survey_all(input);
