@@ -117,9 +117,7 @@ bool CurvedEdges::is_good(std::uint64_t tet) const noexcept {
     const auto& [i, j] = kTetEdges[e];
     const Vector off = offset(edges_.of_tets[6 * tet + e]);
     is_curved = is_curved || dot(off, off) > 0;
-    node[4 + e] = {(corner[i].x + corner[j].x) / 2 + off.x,
-                   (corner[i].y + corner[j].y) / 2 + off.y,
-                   (corner[i].z + corner[j].z) / 2 + off.z};
+    node[4 + e] = stored_middle(mesh_.header, corner[i], corner[j], off);
   }
   if (!is_curved) return true;
   const Vector b = from_to(corner[0], corner[1]), c = from_to(corner[0], corner[2]),

@@ -17,7 +17,8 @@ namespace tet {
 /// The edges of the surface, and where the middle of each belongs.
 class CurvedEdges {
  public:
-  /// The determinant of a curved tet is nowhere below this share of the straight one's.
+  /// The determinant of a curved tet, as it is stored, is nowhere below this share of the
+  /// straight one's.
   static constexpr double kLeastShare = 0.2;
 
   /// The sides of `surface`, all straight so far.

@@ -9,6 +9,7 @@
 
 #include "core/base/byte_buffer.h"
 #include "core/base/types.h"
+#include "core/base/vec3.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -17,6 +18,19 @@ namespace tet {
 /// Abaqus's. Gmsh has the last two the other way round.
 inline constexpr std::array<std::array<std::size_t, 2>, 6> kTetEdges{
     {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+
+/// The middle of an edge, moved by `off`, as the mesh stores it: `a` and `b` are stored
+/// positions.
+inline WorldPoint stored_middle(const MeshHeader& header,
+                                const WorldPoint& a,
+                                const WorldPoint& b,
+                                const Vector& off) noexcept {
+  const WorldPoint middle{(a.x + b.x) / 2 + off.x, (a.y + b.y) / 2 + off.y,
+                          (a.z + b.z) / 2 + off.z};
+  if (header.coordinate_type == CoordinateType::kFloat64) return middle;
+  const auto rounded = [](double v) { return static_cast<double>(static_cast<float>(v)); };
+  return {rounded(middle.x), rounded(middle.y), rounded(middle.z)};
+}
 
 /// Middle nodes beside a mesh, in its own types: node i of them is the mesh's node
 /// vertex_count + i. They are sorted by the lower vertex of their edge, then by the higher one.

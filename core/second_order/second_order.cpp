@@ -72,8 +72,7 @@ ByteBuffer places_of(const TetMesh& mesh, const EdgeNumbers& edges, const Curved
   for_each_edge(edges, [&](std::uint64_t edge, std::uint64_t low, std::uint64_t high) {
     const WorldPoint a = mesh.stored_position(low), b = mesh.stored_position(high);
     const Vector off = curved.offset(edge);
-    store(header, {(a.x + b.x) / 2 + off.x, (a.y + b.y) / 2 + off.y, (a.z + b.z) / 2 + off.z},
-          positions.bytes().subspan(edge * row, row));
+    store(header, stored_middle(header, a, b, off), positions.bytes().subspan(edge * row, row));
   });
   return positions;
 }

@@ -174,6 +174,43 @@ TEST(SecondOrder, IsPositiveEverywhereInHarshFields) {
   }
 }
 
+/// How far the determinant falls, by the straight one's, in a tet that has a curved edge.
+double least_share_of_curved(const Curved& all) {
+  double least = 1;
+  for (std::uint64_t tet = 0; tet < all.mesh.header.tet_count; ++tet) {
+    const TenNodes node = nodes_of(all.mesh, all.middles, tet);
+    bool is_curved = false;
+    for (std::size_t e = 0; e < 6; ++e) {
+      const auto& [i, j] = kTetEdges[e];
+      is_curved = is_curved ||
+                  node[4 + e] != stored_middle(all.mesh.header, node[i], node[j], Vector{});
+    }
+    if (!is_curved) continue;
+    const Vector b = from_to(node[0], node[1]), c = from_to(node[0], node[2]),
+                 d = from_to(node[0], node[3]);
+    const double straight = dot(cross(b, c), d);
+    if (!(straight > 0)) continue;  // its corners are too far away for their digits
+    least = std::min(least, least_jacobian(node) / straight);
+  }
+  return least;
+}
+
+// Far from the origin a float32 has few digits left for a bend.
+TEST(SecondOrder, BendsNoTetTooFarAsItIsStored) {
+  MeshRequest request;
+  request.coordinates = CoordinateType::kFloat32;
+  for (const double far : {0.0, 3000.0, 20000.0}) {
+    request.origin = WorldPoint{far, far, far};
+    for (const std::uint32_t seed : {1U, 2U}) {
+      const Curved found =
+          curved(std::make_shared<const Volume>(test::random_signs(12, seed, 7)), request);
+      EXPECT_GT(found.middles.straightened, 0U);
+      EXPECT_GE(least_share_of_curved(found), CurvedEdges::kLeastShare - 1e-12)
+          << "from an origin " << far << " spacings away";
+    }
+  }
+}
+
 TEST(SecondOrder, CurvesTheInterfaceOfBothSides) {
   MeshRequest request = at_spacing(3);
   request.preset = Preset::kBothSides;
