@@ -19,8 +19,9 @@ namespace tet {
 /// what becomes. Error of the values: below a hundredth of a voxel near the surface. The grid
 /// is the same for the same surface at any place and of any size, but for surfaces near to the
 /// origin, whose voxels are multiples of their size. Errors: kInvalidArgument (voxel size not
-/// positive, or so large that nothing is inside), kFailedPrecondition (the surface is open),
-/// kResourceExhausted (so small that the band would not fit; says the value and the limit).
+/// positive, one whose distances no float holds, or so large that nothing is inside),
+/// kFailedPrecondition (the surface is open), kResourceExhausted (so small that the band would
+/// not fit; says the value and the limit).
 absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
                                                 double voxel_size,
                                                 OpenSurface open = OpenSurface::kRefuse);

@@ -17,8 +17,9 @@ struct VoxelSurface {
   WorldPoint translation;  ///< zero unless the surface is far from the world's origin
 };
 
-/// Errors: kInvalidArgument (voxel size not positive, no triangle), kResourceExhausted (so
-/// small that the band would not fit; says the value and the limit).
+/// Errors: kInvalidArgument (voxel size not positive, or one whose distances no float holds; no
+/// triangle), kResourceExhausted (so small that the band would not fit; says the value and the
+/// limit).
 absl::StatusOr<VoxelSurface> to_voxels(const TriangleSurface& surface, double voxel_size);
 
 /// Voxels to either side of the surface that have values.

@@ -149,6 +149,23 @@ TEST(SurfaceToVolume, RefusesVoxelSizesThatMakeNoSense) {
   EXPECT_THAT(surface_to_volume({}, 1).status().message(), HasSubstr("no triangle"));
 }
 
+TEST(SurfaceToVolume, RefusesVoxelSizesWhoseDistancesNoFloatHolds) {
+  const auto scaled = [](double size) { return test::placed(box(-10, 10), size, {}); };
+  for (const double bad : {1e-46, 9e-31, 1.1e30, 1e50}) {
+    const absl::Status status = surface_to_volume(scaled(bad), bad).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad;
+    EXPECT_THAT(status.message(), HasSubstr("is not from 1e-30 to 1e+30"));
+    EXPECT_THAT(status.message(), HasSubstr("use another unit of length"));
+  }
+  for (const double good : {1e-30, 1e30}) {
+    const auto result = surface_to_volume(scaled(good), good);
+    ASSERT_TRUE(result.ok()) << result.status();
+    VolumeReader reader(result->volume);
+    EXPECT_NEAR(static_cast<double>(reader.value({8, 0, 0})) / good, -2, 1e-3);
+    EXPECT_NEAR(static_cast<double>(result->volume.background) / good, 3, 1e-3);
+  }
+}
+
 TEST(SurfaceToVolume, RefusesAbsurdSizesBeforeTakingMemory) {
   const absl::Status fine = surface_to_volume(box(-1, 1), 1e-5).status();
   EXPECT_EQ(fine.code(), absl::StatusCode::kResourceExhausted);
