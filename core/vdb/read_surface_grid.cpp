@@ -34,7 +34,7 @@ absl::StatusOr<openvdb::FloatGrid::Ptr> read_surface_grid(const OpenGridFile& fi
   const absl::StatusOr<TriangleSurface> surface = read_triangles(file);
   if (!surface.ok()) return told_of_triangles(file, surface.status());
   auto grid = surface_to_grid(*surface, default_voxel(*surface, kMostFileBandVoxels),
-                              OpenSurface::kRefuse);
+                              OpenSurface::kRefuse, kMostFilePieces);
   if (!grid.ok()) return told_of_triangles(file, with_remedy(grid.status()));
   return grid;
 }

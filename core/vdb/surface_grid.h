@@ -1,6 +1,8 @@
 // Surfaces as OpenVDB's grids, for who reads grids of files.
 #pragma once
 
+#include <cstdint>
+
 #include <absl/status/statusor.h>
 
 #include "core/surface/triangle_surface.h"
@@ -10,10 +12,12 @@
 
 namespace tet {
 
-/// The grid that surface_to_vdb writes. Errors: those of surface_to_volume.
+/// The grid that surface_to_vdb writes, of solids that overlap with so many pieces at most
+/// (core/surface/outer_surface.h). Errors: those of surface_to_volume.
 absl::StatusOr<openvdb::FloatGrid::Ptr> surface_to_grid(const TriangleSurface& surface,
                                                         double voxel_size,
-                                                        OpenSurface open);
+                                                        OpenSurface open,
+                                                        std::uint64_t most_pieces);
 
 /// Reads a file of triangles, by what its bytes are, and makes a grid of it as fine as
 /// default_voxel says with kMostFileBandVoxels. Open surfaces are refused. Errors: those of the

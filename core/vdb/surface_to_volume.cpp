@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <type_traits>
@@ -37,9 +38,10 @@ constexpr double kHalfShell = 1;  // voxels; any thinner and the lattice would t
 /// nearer than half a voxel, which the grid could not tell apart.
 constexpr double kWeldVoxels = 1e-3, kGapVoxels = 0.52;
 
-/// Surfaces that overlap are cut into pieces no longer than this, unless that would be more
-/// than about five times so many, which take 80 bytes each.
-constexpr double kPieceVoxels = 1, kMostPieces = 1e7;
+/// Surfaces that overlap are cut into pieces no longer than this, unless their area would make
+/// about five times so many of them. Their lengths may make more: so many at most.
+constexpr double kPieceVoxels = 1, kPiecesOfArea = 1e7;
+constexpr std::uint64_t kMostPieces = 100'000'000;
 
 /// Holes no wider than this are not to be seen in the grid.
 constexpr double kHoleVoxels = 2;
@@ -89,7 +91,10 @@ FloatGrid::Ptr make_shell(const TriangleSurface& surface) {
   return grid;
 }
 
-FloatGrid::Ptr make_solid(const ClosedSurface& closed, ConversionReport& report) {
+/// Error: that of outer_surface.
+absl::StatusOr<FloatGrid::Ptr> make_solid(const ClosedSurface& closed,
+                                          std::uint64_t most_pieces,
+                                          ConversionReport& report) {
   const WindingTree tree(closed.surface);
   Distances distances = measure_distances(closed.surface, kHalfBand);
   SignFindings found =
@@ -97,10 +102,12 @@ FloatGrid::Ptr make_solid(const ClosedSurface& closed, ConversionReport& report)
   report.overlaps = found.overlaps;
   if (found.overlaps) {
     // Sheets within the solid would be told as its surface by the distances to them.
-    const double piece = std::max(kPieceVoxels, std::sqrt(closed.area / kMostPieces));
-    const TriangleSurface outer = outer_surface(closed.surface, tree, piece);
-    distances = measure_distances(outer, kHalfBand);
-    found = sign_distances(outer, tree, *distances.nearest, *distances.grid);
+    const double piece = std::max(kPieceVoxels, std::sqrt(closed.area / kPiecesOfArea));
+    const absl::StatusOr<TriangleSurface> outer =
+        outer_surface(closed.surface, tree, piece, most_pieces);
+    if (!outer.ok()) return outer.status();
+    distances = measure_distances(*outer, kHalfBand);
+    found = sign_distances(*outer, tree, *distances.nearest, *distances.grid);
   } else {
     report.lost_bodies = count_lost_bodies(closed, *distances.nearest, *distances.grid);
   }
@@ -193,7 +200,8 @@ void finish(const VoxelSurface& voxels, Converted& converted) {
 
 absl::StatusOr<Converted> convert(const TriangleSurface& surface,
                                   double voxel_size,
-                                  OpenSurface open) {
+                                  OpenSurface open,
+                                  std::uint64_t most_pieces = kMostPieces) {
   const absl::StatusOr<VoxelSurface> voxels = to_voxels(surface, voxel_size);
   if (!voxels.ok()) return voxels.status();
   openvdb::initialize();
@@ -206,7 +214,10 @@ absl::StatusOr<Converted> convert(const TriangleSurface& surface,
   }
   result.report.kind = *kind;
   const bool shell = *kind == ConvertedTo::kShell;
-  result.grid = shell ? make_shell(voxels->surface) : make_solid(closed, result.report);
+  absl::StatusOr<FloatGrid::Ptr> made =
+      shell ? make_shell(voxels->surface) : make_solid(closed, most_pieces, result.report);
+  if (!made.ok()) return made.status();
+  result.grid = *std::move(made);
   if (!has_inside(*result.grid)) return nothing_inside(closed, voxel_size);
   const double cube = voxel_size * voxel_size * voxel_size;
   result.report.volume = level_set_volume(*result.grid) * cube;
@@ -243,9 +254,10 @@ absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
 
 absl::StatusOr<FloatGrid::Ptr> surface_to_grid(const TriangleSurface& surface,
                                                double voxel_size,
-                                               OpenSurface open) {
+                                               OpenSurface open,
+                                               std::uint64_t most_pieces) {
   return guarded([&]() -> absl::StatusOr<FloatGrid::Ptr> {
-    absl::StatusOr<Converted> converted = convert(surface, voxel_size, open);
+    absl::StatusOr<Converted> converted = convert(surface, voxel_size, open, most_pieces);
     if (!converted.ok()) return converted.status();
     return std::move(converted->grid);
   });

@@ -21,7 +21,7 @@ namespace tet {
 /// origin, whose voxels are multiples of their size. Errors: kInvalidArgument (voxel size not
 /// positive, one whose distances no float holds, or so large that nothing is inside),
 /// kFailedPrecondition (the surface is open), kResourceExhausted (so small that the band would
-/// not fit; says the value and the limit).
+/// not fit, or the pieces of what overlaps; says the value and the limit).
 absl::StatusOr<SurfaceVolume> surface_to_volume(const TriangleSurface& surface,
                                                 double voxel_size,
                                                 OpenSurface open = OpenSurface::kRefuse);

@@ -17,8 +17,8 @@ namespace {
 constexpr double kVolumeBytesPerBandVoxel = 16;
 /// Distances, the triangles that they are to, OpenVDB's trees of both, and the volume.
 constexpr double kReadingBytesPerBandVoxel = 80;
-/// Pieces of surfaces that overlap: see surface_to_volume.
-constexpr std::uint64_t kPieceBytes = std::uint64_t{384} << 20;
+/// Pieces of surfaces that overlap: as they are cut, and as a surface.
+constexpr std::uint64_t kPieceBytes = 160 * kMostFilePieces;
 /// A triangle takes 50 bytes of a binary file, and of text hardly less than 12: as it is read,
 /// in voxels, mended, and in the tree of winding numbers.
 constexpr std::uint64_t kBytesPerFileByte = 32;

@@ -13,6 +13,10 @@ namespace tet {
 /// Voxels near a surface, at most, that the grid of a file has where walls are thin.
 inline constexpr double kMostFileBandVoxels = 2e6;
 
+/// Pieces that a surface which overlaps itself is cut into, at most: four to ten for each voxel
+/// along it.
+inline constexpr std::uint64_t kMostFilePieces = 2'500'000;
+
 /// What a processor may work on a solid that overlaps itself wherever it can, beside the time
 /// that any file of its size gets: three times what it takes here.
 inline constexpr std::chrono::seconds kConvertingTime{90};

@@ -166,6 +166,16 @@ TEST(SurfaceToVolume, RefusesVoxelSizesWhoseDistancesNoFloatHolds) {
   }
 }
 
+TEST(SurfaceToVolume, UnitesBarsThatCross) {
+  const auto result =
+      surface_to_volume(test::joined(test::box_surface({-5000, -0.7, -0.7}, {5000, 0.7, 0.7}),
+                                     test::box_surface({-0.7, -5000, -0.7}, {0.7, 5000, 0.7})),
+                        1);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_TRUE(result->report.overlaps);
+  EXPECT_NEAR(result->report.volume, 2 * 1000 * 1.96, 100);
+}
+
 TEST(SurfaceToVolume, RefusesAbsurdSizesBeforeTakingMemory) {
   const absl::Status fine = surface_to_volume(box(-1, 1), 1e-5).status();
   EXPECT_EQ(fine.code(), absl::StatusCode::kResourceExhausted);
