@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "core/field/domain.h"
 
 namespace tet {
 namespace {
@@ -19,9 +23,35 @@ constexpr Axes kAxes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 }  // namespace
 
-SurfaceProbe::SurfaceProbe(const PhiField& field)
+std::optional<StoredExtent> stored_extent_amid_inside(const PhiField& field) {
+  if (field.volume == nullptr || !(field.phi(field.volume->background) < 0)) return {};
+  const VoxelBox box = stored_box(*field.volume);
+  if (box.empty()) return {};
+  // Between the outermost voxels and the background there are values of both.
+  constexpr double kAround = 2;
+  const std::array<double, 3> low{box.min.x - kAround, box.min.y - kAround,
+                                  box.min.z - kAround},
+      high{box.max.x + kAround, box.max.y + kAround, box.max.z + kAround};
+  const double spacing = field.spacing_voxels;
+  if (field.scene == nullptr) {
+    return StoredExtent{{low[0] / spacing, low[1] / spacing, low[2] / spacing},
+                        {high[0] / spacing, high[1] / spacing, high[2] / spacing}};
+  }
+  const auto [min, max] = field.volume->transform.to_world_box({low[0], low[1], low[2]},
+                                                               {high[0], high[1], high[2]});
+  return StoredExtent{{min.x / spacing, min.y / spacing, min.z / spacing},
+                      {max.x / spacing, max.y / spacing, max.z / spacing}};
+}
+
+SurfaceProbe::SurfaceProbe(const PhiField& field, const std::optional<StoredExtent>& extent)
     : sampler_(field),
+      extent_(extent),
       step_(kStep * (field.scene == nullptr ? std::max(1.0, 1 / field.spacing_voxels) : 1.0)) {}
+
+void SurfaceProbe::stop_when(const Cancellation& cancellation) noexcept {
+  cancellation_ = &cancellation;
+  sampler_.stop_when(cancellation);
+}
 
 VoxelPoint SurfaceProbe::gradient(const VoxelPoint& p) noexcept {
   std::array<double, 3> slope{};
@@ -83,12 +113,31 @@ double SurfaceProbe::curvature() const noexcept {
   return (std::abs(sum) + difference) / 2;
 }
 
+/// How far behind the surface one has left the extent for good.
+double SurfaceProbe::depth_of_extent() const noexcept {
+  double depth = std::numeric_limits<double>::infinity();
+  if (!extent_) return depth;
+  const std::array<double, 3> from{at_surface_.x, at_surface_.y, at_surface_.z},
+      outward{normal_.x, normal_.y, normal_.z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (outward[i] == 0) continue;
+    const double end = outward[i] > 0 ? extent_->min[i] : extent_->max[i];
+    depth = std::min(depth, (from[i] - end) / outward[i]);
+  }
+  return depth;
+}
+
 double SurfaceProbe::thickness(double most) noexcept {
   if (slope_ == 0) return most;
+  constexpr std::size_t kStepsPerLook = 1024;
+  const double end = std::min(most, depth_of_extent());
+  std::size_t steps = 0;
   // phi of a level set ends at the width of its band, and rises no faster than its slope.
   const double least = step_ / kStep / 2;
   double depth = least, before = 0, phi_before = 0;
-  while (depth < most) {
+  while (depth < end) {
+    const bool looks = ++steps % kStepsPerLook == 0 && cancellation_ != nullptr;
+    if (looks && cancellation_->requested()) return most;
     const double phi = at(along(at_surface_, normal_, -depth));
     if (phi >= 0) {
       const double part = phi_before < 0 ? phi_before / (phi_before - phi) : 1;

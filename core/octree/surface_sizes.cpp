@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/octree/surface_probe.h"
@@ -31,11 +32,12 @@ BrickMask cells_at_surface(const BrickSamples& samples) noexcept {
 /// How long leaves may be at places of the surface, finest spacings.
 class AllowedLength {
  public:
-  AllowedLength(const Sizing& sizing, const PhiField& field, int levels)
-      : probe_(field),
-        chord_error_(sizing.chord_error ? *sizing.chord_error / spacing(field) : 0),
+  /// `longest` is what leaves may be where nothing asks for less.
+  AllowedLength(const Sizing& sizing, SurfaceProbe probe, double spacing, double longest)
+      : probe_(std::move(probe)),
+        chord_error_(sizing.chord_error ? *sizing.chord_error / spacing : 0),
         leaves_across_(sizing.leaves_across),
-        longest_(std::ldexp(1, levels)) {}
+        longest_(longest) {}
 
   double at(const VoxelPoint& place) noexcept {
     probe_.visit(place);
@@ -52,8 +54,6 @@ class AllowedLength {
   }
 
  private:
-  static double spacing(const PhiField& field) { return field.lattice_transform().voxel_size; }
-
   SurfaceProbe probe_;
   const double chord_error_;  ///< finest spacings; 0: any
   const int leaves_across_;
@@ -91,17 +91,33 @@ class TooLongCells {
   std::vector<BrickMask> of_level_;
 };
 
+/// How long leaves may be, finest spacings: in a domain lies no cell that is longer than it.
+double longest_leaf(int levels, const std::optional<BrickBox>& domain) {
+  const double longest = std::ldexp(1, levels);
+  if (!domain) return longest;
+  const auto& [min, max] = *domain;
+  const double bricks =
+      std::max({1.0 * max.x - min.x, 1.0 * max.y - min.y, 1.0 * max.z - min.z}) + 1;
+  return std::min(longest, kBrickEdge * bricks);
+}
+
 }  // namespace
 
 std::vector<CellSet> surface_cells_to_refine(const Sizing& sizing,
                                              const PhiField& field,
                                              const std::vector<BrickCoord>& bricks,
+                                             const std::optional<BrickBox>& domain,
                                              int levels,
                                              const Cancellation& cancellation) {
   std::vector<std::vector<CellSetBuilder>> of_range(bricks.size());
+  const std::optional<StoredExtent> extent = stored_extent_amid_inside(field);
+  const double longest = longest_leaf(levels, domain);
   for_each_range(bricks.size(), kBricksPerRange, [&](std::size_t begin, std::size_t end) {
     PhiSampler sampler(field);
-    AllowedLength allowed(sizing, field, levels);
+    SurfaceProbe probe(field, extent);
+    probe.stop_when(cancellation);
+    AllowedLength allowed(sizing, std::move(probe), field.lattice_transform().voxel_size,
+                          longest);
     const auto samples = std::make_unique_for_overwrite<BrickSamples>();
     auto& cells = of_range[begin];
     cells.resize(static_cast<std::size_t>(levels) + 1);
@@ -114,6 +130,7 @@ std::vector<CellSet> surface_cells_to_refine(const Sizing& sizing,
           return double{kBrickEdge} * brick + cell + 0.5;
         };
         const double length = allowed.at({middle(b.x, x), middle(b.y, y), middle(b.z, z)});
+        if (length >= longest) return;
         // Leaves of level l are 2^l spacings long; what is longer follows by itself.
         const int level = length < 1 ? 1 : std::ilogb(length) + 1;
         if (level <= levels) too_long.add(x, y, z, level);

@@ -74,9 +74,9 @@ absl::StatusOr<LeafRules> leaf_rules_within(const MeshLimits& limits,
                                                levels, most_leaves(limits), cancellation);
   if (!rules.ok()) return rules;
   if (sizing.sizes_surface()) {
-    refine_more(*rules,
-                surface_cells_to_refine(sizing, prepared.field, prepared.bricks.near_surface,
-                                        rules->max_levels, cancellation));
+    refine_more(*rules, surface_cells_to_refine(
+                            sizing, prepared.field, prepared.bricks.near_surface,
+                            prepared.space.domain, rules->max_levels, cancellation));
   }
   if (auto status = check_layers_budget(sizing, *rules, prepared.bricks, limits);
       !status.ok()) {

@@ -1,6 +1,7 @@
 #include "core/octree/surface_sizes.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include "core/field/find_bricks.h"
 #include "core/field/find_scene_bricks.h"
 #include "core/octree/surface_probe.h"
+#include "tests/support/counted_looks.h"
 #include "tests/support/scenes.h"
 #include "tests/support/solids.h"
 
@@ -87,6 +89,67 @@ TEST(SurfaceProbe, TakesAFieldWithoutASlopeForFlat) {
   EXPECT_EQ(probe.thickness(50), 50);
 }
 
+/// A cavity in what is inside wherever nothing is stored.
+Volume cavity() {
+  Volume volume = test::ball(25);
+  volume.background = -volume.background;
+  for (float& value : volume.values) value = -value;
+  for (ValueRange& range : volume.ranges) range = {-range.max, -range.min};
+  for (Region& region : volume.regions) {
+    for (float& value : region.constant) value = -value;
+  }
+  for (ConstantCube& cube : volume.cubes) cube.value = -cube.value;
+  return volume;
+}
+
+TEST(SurfaceProbe, WalksNoFurtherThanValuesAreStored) {
+  const Volume volume = cavity();
+  const PhiField field = field_of(volume);
+  const auto extent = stored_extent_amid_inside(field);
+  ASSERT_TRUE(extent);
+  EXPECT_FALSE(stored_extent_amid_inside(field_of(test::ball(25))));
+  SurfaceProbe probe(field, extent);
+  test::CountedLooks counted{.most = 10};
+  probe.stop_when(counted.cancellation);
+  probe.visit({15, 20, 0});
+  constexpr double kMost = 1e9;
+  EXPECT_EQ(probe.thickness(kMost), kMost);
+  EXPECT_EQ(counted.looks, 0U);  // there is one after each thousand steps
+}
+
+TEST(SurfaceProbe, LooksAtItsCancellationOnALongWay) {
+  const Volume volume = cavity();
+  SurfaceProbe probe(field_of(volume));  // it is not told where values end
+  test::CountedLooks counted{.most = 3};
+  probe.stop_when(counted.cancellation);
+  probe.visit({15, 20, 0});
+  EXPECT_EQ(probe.thickness(1e9), 1e9);
+  EXPECT_EQ(counted.looks, 4U);
+}
+
+TEST(SurfaceSizes, AskNothingOfCellsThatDoNotFitIntoTheDomain) {
+  const Volume volume = cavity();
+  const PhiField field = field_of(volume);
+  const auto found = find_bricks(field);
+  ASSERT_TRUE(found.ok()) << found.status();
+  Sizing sizing;
+  sizing.chord_error = 0.5;  // of 25: leaves of 10
+  sizing.leaves_across = Sizing::kMaxLeavesAcross;
+  const BrickBox domain{{-5, -5, -5}, {4, 4, 4}};
+  constexpr int kLevels = 12;
+  const auto cells = [&](const std::optional<BrickBox>& within) {
+    return surface_cells_to_refine(sizing, field, found->near_surface, within, kLevels,
+                                   Cancellation());
+  };
+  const auto all = cells({}), fitting = cells(domain);
+  ASSERT_EQ(all.size(), fitting.size());
+  EXPECT_FALSE(fitting[4].bricks.empty());
+  for (std::size_t level = 0; level <= 6; ++level) {  // 64 of the domain's 80 cells
+    EXPECT_EQ(all[level].bricks, fitting[level].bricks);
+    EXPECT_EQ(all[level].cells, fitting[level].cells);
+  }
+}
+
 /// Cells of each level that are no leaves.
 std::vector<std::size_t> refined_counts(const Sizing& sizing, const PhiField& field) {
   const auto found =
@@ -94,8 +157,8 @@ std::vector<std::size_t> refined_counts(const Sizing& sizing, const PhiField& fi
           ? find_scene_bricks(field, std::nullopt, kMaxSurfaceBricks, Cancellation())
           : find_bricks(field);
   std::vector<std::size_t> counts;
-  for (const CellSet& cells :
-       surface_cells_to_refine(sizing, field, found->near_surface, 5, Cancellation())) {
+  for (const CellSet& cells : surface_cells_to_refine(sizing, field, found->near_surface,
+                                                      std::nullopt, 5, Cancellation())) {
     std::size_t count = 0;
     for (const BrickMask& mask : cells.cells) count += mask.count();
     counts.push_back(count);
