@@ -4,9 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
+#include <utility>
 
 #include <absl/strings/str_format.h>
 
+#include "core/volume/label_volume.h"
 #include "core/volume/node_mask.h"
 #include "core/volume/volume.h"
 #include "core/volume/volume_builder.h"
@@ -51,10 +53,62 @@ std::uint64_t volume_bytes(const TreeOutline& tree) {
              (cubes * sizeof(ConstantCube) + tree.lower_tiles.stored * sizeof(ConstantBrick));
 }
 
-/// A volume without any column. A string has room for thirty letters once it grows at all.
+/// What a volume has beside its columns. A string has room for thirty letters once it grows at
+/// all.
+template <class AnyVolume>
 std::uint64_t empty_volume_bytes(const GridOutline& grid) {
   constexpr std::uint64_t kLeastRoom = 30;
-  return sizeof(Volume) + std::max<std::uint64_t>(kLeastRoom, grid.name.size());
+  return sizeof(AnyVolume) + std::max<std::uint64_t>(kLeastRoom, grid.name.size());
+}
+
+/// Bricks of a segmentation's box, and those of them that it has only a part of.
+struct LabelBricks {
+  std::uint64_t all = 1, whole = 1;
+
+  /// Counts none where there are so many that they are refused before any is made.
+  explicit LabelBricks(const VoxelBox& box) {
+    if (box.empty()) {
+      all = whole = 0;
+      return;
+    }
+    for (const auto& [min, max] :
+         {std::pair(box.min.x, box.max.x), std::pair(box.min.y, box.max.y),
+          std::pair(box.min.z, box.max.z)}) {
+      const std::int64_t end = std::int64_t{max} + 1, last = kBrickEdge - 1;
+      all *= static_cast<std::uint64_t>(((end + last) >> kBrickShift) - (min >> kBrickShift));
+      whole *= static_cast<std::uint64_t>(
+          std::max<std::int64_t>(0, (end >> kBrickShift) - ((min + last) >> kBrickShift)));
+      if (all > kMostLabelBricks) {
+        all = whole = 0;
+        return;
+      }
+    }
+  }
+};
+
+/// Columns that grow with the bricks of a segmentation. Of bricks without a leaf, which have
+/// one label, those have values that reach beyond the box.
+std::uint64_t label_brick_bytes(const TreeOutline& tree) {
+  const LabelBricks bricks(tree.active_box);
+  const std::uint64_t mixed = std::min(bricks.all, tree.leaves + bricks.all - bricks.whole);
+  return bricks.all * sizeof(std::uint32_t) + mixed * kBrickCells * sizeof(std::uint16_t);
+}
+
+/// Labels and how many voxels each has; while they are gathered, also by their values.
+constexpr std::uint64_t kLabelListBytes =
+    LabelVolume::kMostLabels * (sizeof(std::int64_t) + sizeof(std::uint64_t));
+constexpr std::uint64_t kLabelGatheringBytes = kGrowth * 3 * kLabelListBytes;
+
+MemoryCharge label_charge(const GridOutline& grid) {
+  const std::uint64_t bricks = label_brick_bytes(grid.tree);
+  const std::uint64_t other = empty_volume_bytes<LabelVolume>(grid);
+  return {.volume = bricks + other + kLabelListBytes,
+          .reading = kGrowth * bricks + other + kLabelGatheringBytes};
+}
+
+MemoryCharge volume_charge(const GridOutline& grid) {
+  const std::uint64_t bytes = grid.tree.volume_bytes + empty_volume_bytes<Volume>(grid);
+  return {.volume = bytes, .reading = bytes};
 }
 
 bool is_scalar(const GridOutline& grid) {
@@ -106,13 +160,10 @@ MemoryCharge loading_charge(const VdbOutline& outline,
   MemoryCharge charge;
   for (const GridOutline& grid : outline.grids) {
     if (!will_do(grid, use) || (!grid_name.empty() && grid.name != grid_name)) continue;
-    const std::uint64_t volume = grid.tree.volume_bytes + empty_volume_bytes(grid);
-    charge.volume = std::max(charge.volume, volume);
-    charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + volume);
-  }
-  if (use == GridUse::kLabels && charge.reading > 0) {
-    charge.volume += kLabelTableBytes;
-    charge.reading += kGrowth * kLabelTableBytes;
+    const MemoryCharge made =
+        use == GridUse::kLabels ? label_charge(grid) : volume_charge(grid);
+    charge.volume = std::max(charge.volume, made.volume);
+    charge.reading = std::max(charge.reading, tree_bytes(grid.tree) + made.reading);
   }
   if (lists) charge.reading += listing_charge(outline).reading;
   return charge;

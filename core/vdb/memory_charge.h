@@ -30,9 +30,8 @@ enum class GridUse : std::uint8_t {
 };
 
 /// Bricks of 8 x 8 x 8 voxels in the box around a segmentation's active ones: 2048 voxels along
-/// each axis. Their table takes `kLabelTableBytes` at most.
+/// each axis.
 inline constexpr std::uint64_t kMostLabelBricks = std::uint64_t{1} << 24;
-inline constexpr std::uint64_t kLabelTableBytes = kMostLabelBricks * sizeof(std::uint32_t);
 
 /// What `load_volume`, `load_field` or `load_labels` takes for `grid_name`, or without a name
 /// for any grid that could be meant. 0 when there is no such grid.

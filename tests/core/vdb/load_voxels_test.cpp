@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "core/vdb/load.h"
+#include "core/vdb/memory_charge.h"
 #include "core/vdb/vdb_grids.h"
+#include "core/vdb/walk_vdb.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/vdb/vdb_test_files.h"
 
@@ -77,6 +79,27 @@ TEST_F(LoadVoxels, KeepsEveryBitOfALabel) {
   EXPECT_EQ(labels->name, "atlas");
   EXPECT_EQ(labels->labels, (std::vector<std::int64_t>{-7, 5, 2'000'000'001, 2'000'000'002}));
   EXPECT_EQ(labels->voxel_counts, (std::vector<std::uint64_t>{5 * 64 - 1, 1, 16 * 64 - 1, 1}));
+}
+
+TEST_F(LoadVoxels, ChargesForTheWholeBoxOfSparseLabels) {
+  // A long box of which every brick is cut, and one of which most are whole; then one voxel.
+  for (const openvdb::Coord& far : {openvdb::Coord(3, 4, 640'000),
+                                    openvdb::Coord(400, 300, 203), openvdb::Coord(1, 0, 0)}) {
+    const auto grid = openvdb::Int32Grid::create();
+    grid->tree().setValue({0, 0, 0}, 1);
+    grid->tree().setValue(far, 2);
+    test::write_vdb(path_, {grid});
+    const absl::StatusOr<VdbOutline> outline = walk_vdb(path_);
+    ASSERT_TRUE(outline.ok()) << outline.status();
+    const MemoryCharge charge = loading_charge(*outline, "", GridUse::kLabels);
+    const absl::StatusOr<LabelVolume> labels = load_labels(path_, "");
+    ASSERT_TRUE(labels.ok()) << labels.status();
+    EXPECT_GE(charge.volume, labels->size_bytes());
+    constexpr std::uint64_t kLists = 1'100'000;  // of as many labels as there may be
+    EXPECT_LE(charge.volume, labels->size_bytes() + kLists);
+    EXPECT_EQ(load_labels(path_, "", {.max_bytes = labels->size_bytes()}).status().code(),
+              absl::StatusCode::kResourceExhausted);
+  }
 }
 
 TEST_F(LoadVoxels, RefusesWhatIsNoSegmentation) {
