@@ -13,17 +13,39 @@
 #include "core/labels/indicator_probe.h"
 #include "core/labels/kernel_taps.h"
 #include "core/labels/lattice_faces.h"
+#include "core/labels/sparse_sums.h"
 
 namespace tet {
 namespace {
 
 constexpr int kFirstNode = -2;
 constexpr int kRowNodes = TapRow::kNodes;
+constexpr HaloSet kAllNodes = halo_cube(kFirstNode, kFirstNode + kRowNodes - 1);
 /// A slice of a halo has so many nodes, with what fills its rows up.
 constexpr std::size_t kSliceNodes = std::size_t{kRowNodes} * 16;
 
-/// With more labels than these around a brick, nodes are looked at one by one.
+/// With more labels than these around a brick each node sums those alone that it sees.
 constexpr std::size_t kFewLabels = 24;
+
+/// The edges of one family.
+struct EdgeFamily {
+  NodeKind kind, end;  ///< of their lower nodes, and of the others
+  int offset;          ///< from the lower one's halo index to the other's
+};
+
+constexpr auto kEdgeFamily = [] {
+  std::array<EdgeFamily, kEdgeFamilies> families{};
+  for (int f = 0; f < kEdgeFamilies; ++f) {
+    const NodeKind kind = family_kind(f);
+    const int direction = family_direction(f);
+    families[static_cast<std::size_t>(f)] = {kind, end_kind(kind, direction),
+                                             end_offset(kind, direction)};
+  }
+  return families;
+}();
+
+/// The ends of an edge.
+enum End : std::uint8_t { kLow, kHigh };
 
 /// The best of a brick's labels at each node, by halo index.
 struct BestLabels {
@@ -77,7 +99,12 @@ std::size_t known_groups(std::span<const Label> voxel, std::span<const Label> kn
 class IndicatorSampler final : public LabelSampler {
  public:
   IndicatorSampler(const LabelVoxels& voxels, const IndicatorRules& rules)
-      : voxels_(voxels), rules_(rules) {}
+      : voxels_(voxels), rules_(rules) {
+    static const Cancellation never;
+    cancellation_ = &never;
+  }
+
+  void stop_when(const Cancellation& cancellation) override { cancellation_ = &cancellation; }
 
   std::optional<Label> one_label(BrickCoord brick) override {
     enter(brick);
@@ -90,53 +117,36 @@ class IndicatorSampler final : public LabelSampler {
   }
 
   void sample_labels(BrickCoord, LabelSamples& samples) override {
-    if (label_.size() <= kFewLabels) {
-      convolve_all();
+    if (has_many_labels()) {
+      find_largest(samples);
+    } else if (convolve_all()) {
       for (const NodeKind kind : {kCorner, kCentre}) pick_labels(kind, samples);
-      return;
     }
-    for (const NodeKind kind : {kCorner, kCentre}) {
-      for_each_node([&](int x, int y, int z) {
-        samples.label[kind][static_cast<std::size_t>(halo_index(x, y, z))] =
-            largest_at(kind, x, y, z);
-      });
-    }
+    if (!cancellation_->requested()) return;
+    for (auto& labels : samples.label) labels.fill(label_[0]);
   }
 
   void sample_fractions(BrickCoord, const EdgeSets& changes, LabelSamples& samples) override {
-    for (int family = 0; family < kEdgeFamilies; ++family) {
-      const auto f = static_cast<std::size_t>(family);
-      const NodeKind kind = family_kind(family);
-      const NodeKind end = end_kind(kind, family_direction(family));
-      const int offset = end_offset(kind, family_direction(family));
+    if (has_many_labels()) find_others(changes);
+    for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
       float* const out = samples.fraction[f].data();
-      if (label_.size() <= kFewLabels) {
-        find_fractions(kind, end, offset, changes[f], out);
-        continue;
+      if (has_many_labels()) {
+        find_fractions_of_many(f, changes[f], out);
+      } else {
+        find_fractions(kEdgeFamily[f], changes[f], out);
       }
-      for_each_bit(changes[f], [&](int low) {
-        const int high = low + offset;
-        const Label a = samples.label[kind][static_cast<std::size_t>(low)];
-        const Label b = samples.label[end][static_cast<std::size_t>(high)];
-        out[low] =
-            fraction(at(kind, low, a) - at(kind, low, b), at(end, high, b) - at(end, high, a));
-      });
     }
   }
 
   void sample_triples(BrickCoord,
                       std::span<const TripleFace> faces,
-                      const LabelSamples& samples,
+                      const LabelSamples&,
                       std::span<FacePoint> points) override {
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      const FaceFamily& family = kFaceFamily[faces[i].family];
       std::array<double, 3> u, v;  // by how much the first label wins over the others
       for (std::size_t n = 0; n < 3; ++n) {
         std::array<float, 3> of;
-        for (std::size_t l = 0; l < 3; ++l) {
-          of[l] = indicator(family.kind[n], faces[i].low + family.to_node[n], family.kind[l],
-                            faces[i].low + family.to_node[l], samples);
-        }
+        for (std::size_t l = 0; l < 3; ++l) of[l] = indicator(faces[i], n, l);
         u[n] = double{of[0]} - double{of[1]};
         v[n] = double{of[0]} - double{of[2]};
       }
@@ -145,24 +155,22 @@ class IndicatorSampler final : public LabelSampler {
   }
 
  private:
-  /// At a node, of the label that another one has.
-  float indicator(NodeKind kind,
-                  int node,
-                  NodeKind other_kind,
-                  int other,
-                  const LabelSamples& samples) const noexcept {
-    const auto n = static_cast<std::size_t>(node), o = static_cast<std::size_t>(other);
-    if (label_.size() > kFewLabels) return at(kind, node, samples.label[other_kind][o]);
-    return field(kind, best_[other_kind].place[o])[n];
-  }
+  bool has_many_labels() const noexcept { return label_.size() > kFewLabels; }
 
-  template <class Visit>
-  static void for_each_node(const Visit& visit) {
-    for (int x = kFirstNode; x < kFirstNode + kRowNodes; ++x) {
-      for (int y = kFirstNode; y < kFirstNode + kRowNodes; ++y) {
-        for (int z = kFirstNode; z < kFirstNode + kRowNodes; ++z) visit(x, y, z);
-      }
+  /// At a node of a face, of the label that another one has.
+  float indicator(const TripleFace& face, std::size_t node, std::size_t other) const noexcept {
+    const FaceFamily& family = kFaceFamily[face.family];
+    const NodeKind kind = family.kind[node];
+    const auto at = static_cast<std::size_t>(face.low + family.to_node[node]);
+    if (node == other) return best_[kind].indicator[at];
+    if (!has_many_labels()) {
+      const auto there = static_cast<std::size_t>(face.low + family.to_node[other]);
+      return field(kind, best_[family.kind[other]].place[there])[at];
     }
+    // Edges are those of nodes 0 and 1, 1 and 2, 0 and 2.
+    const std::size_t edge = node + other == 3 ? 1 : node + other == 1 ? 0 : 2;
+    const auto low = static_cast<std::size_t>(face.low + family.to_node[std::min(node, other)]);
+    return other_[family.edge_family[edge]][node < other ? kLow : kHigh][low];
   }
 
   void enter(BrickCoord brick) {
@@ -184,7 +192,7 @@ class IndicatorSampler final : public LabelSampler {
   void find_labels() {
     label_.clear();
     std::span<const Label> rest(voxel_);
-    while (!rest.empty()) {
+    while (!rest.empty() && !has_many_labels()) {
       rest = rest.subspan(known_groups(rest, label_) * kGroup);
       const std::size_t next = std::min(rest.size(), kGroup);
       for (const Label label : rest.first(next)) {
@@ -193,20 +201,99 @@ class IndicatorSampler final : public LabelSampler {
       }
       rest = rest.subspan(next);
     }
+    if (!rest.empty()) add_labels(rest);
+  }
+
+  /// Takes as long whatever the number of labels, where `find_labels` compares with each.
+  void add_labels(std::span<const Label> voxels) {
+    is_there_.assign(kJoker, 0);
+    for (const Label label : label_) is_there_[label] = 1;
+    for (const Label label : voxels) is_there_[label] = 1;
+    label_.clear();
+    for (std::size_t label = 0; label < is_there_.size(); ++label) {
+      if (is_there_[label] != 0) label_.push_back(static_cast<Label>(label));
+    }
   }
 
   const HaloField& field(NodeKind kind, std::size_t label) const noexcept {
     return field_[label * kNodeKinds + kind];
   }
 
-  void convolve_all() {
+  /// False where it was cancelled.
+  bool convolve_all() {
     const std::size_t fields = label_.size() * kNodeKinds;
     if (field_.size() < fields) field_.resize(fields);
     for (std::size_t l = 0; l < label_.size(); ++l) {
       convolution_.choose(voxel_, window_, label_[l]);
       for (const NodeKind kind : {kCorner, kCentre}) {
+        // In the largest windows each label takes milliseconds.
+        if (cancellation_->requested()) return false;
         convolution_.run(taps_[kind], field_[l * kNodeKinds + kind]);
       }
+    }
+    return true;
+  }
+
+  /// Finds the label of each node where there are many around the brick.
+  void find_largest(LabelSamples& samples) {
+    sums_.enter(voxel_, window_, label_);
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      BestLabels& best = best_[kind];
+      const auto keep = [&](int node, const LabelSums& sums) {
+        const auto n = static_cast<std::size_t>(node);
+        const std::uint16_t largest = largest_of(sums);
+        best.place[n] = largest;
+        best.indicator[n] = sums.of(largest);
+        samples.label[kind][n] = label_[largest];
+      };
+      sums_.for_each_node(taps_[kind], kAllNodes, *cancellation_, keep);
+    }
+  }
+
+  /// The largest sum's place; of equal ones the first, which is that of the lower label.
+  static std::uint16_t largest_of(const LabelSums& sums) noexcept {
+    std::uint16_t largest = sums.seen()[0];
+    for (const std::uint16_t place : sums.seen()) {
+      const float value = sums.of(place), before = sums.of(largest);
+      if (value > before || (value == before && place < largest)) largest = place;
+    }
+    return largest;
+  }
+
+  /// Finds at the ends of edges the indicators of the labels at their other ends.
+  void find_others(const EdgeSets& changes) {
+    other_.resize(kEdgeFamilies);
+    for (const NodeKind kind : {kCorner, kCentre}) {
+      HaloSet nodes;
+      for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
+        const EdgeFamily& family = kEdgeFamily[f];
+        if (family.kind == kind) nodes |= changes[f];
+        if (family.end == kind) nodes |= seen_from(changes[f], -family.offset);
+      }
+      const auto keep = [&](int node, const LabelSums& sums) {
+        for (std::size_t f = 0; f < kEdgeFamilies; ++f) {
+          keep_others(f, changes[f], kind, node, sums);
+        }
+      };
+      sums_.for_each_node(taps_[kind], nodes, *cancellation_, keep);
+    }
+  }
+
+  /// Keeps what a node has of the labels at the other ends of its edges of one family.
+  void keep_others(std::size_t f,
+                   const HaloSet& edges,
+                   NodeKind kind,
+                   int node,
+                   const LabelSums& sums) noexcept {
+    const EdgeFamily& family = kEdgeFamily[f];
+    if (family.kind == kind && edges.test(node)) {
+      const auto high = static_cast<std::size_t>(node + family.offset);
+      other_[f][kLow][static_cast<std::size_t>(node)] = sums.of(best_[family.end].place[high]);
+    }
+    const int low = node - family.offset;
+    if (family.end == kind && low >= 0 && edges.test(low)) {
+      const auto at = static_cast<std::size_t>(low);
+      other_[f][kHigh][at] = sums.of(best_[family.kind].place[at]);
     }
   }
 
@@ -214,12 +301,10 @@ class IndicatorSampler final : public LabelSampler {
   /// the lower label wins ties only one may be zero.
   static float fraction(float here, float there) noexcept { return here / (here + there); }
 
-  /// For edges from nodes of one kind, `low`, to those that lie `offset` away.
-  void find_fractions(NodeKind kind,
-                      NodeKind end,
-                      int offset,
+  void find_fractions(const EdgeFamily& family,
                       const HaloSet& edges,
                       float* out) const noexcept {
+    const auto [kind, end, offset] = family;
     const float* const indicator = best_[kind].indicator.data();
     const std::uint16_t* const place = best_[kind].place.data();
     const float* const end_indicator = best_[end].indicator.data() + offset;
@@ -231,6 +316,17 @@ class IndicatorSampler final : public LabelSampler {
       const float other_here = fields[std::size_t{end_place[node]} * kNodeKinds + kind][low],
                   other_there = fields[std::size_t{place[node]} * kNodeKinds + end][high];
       out[node] = fraction(indicator[node] - other_here, end_indicator[node] - other_there);
+    });
+  }
+
+  void find_fractions_of_many(std::size_t f, const HaloSet& edges, float* out) const noexcept {
+    const auto [kind, end, offset] = kEdgeFamily[f];
+    const float* const indicator = best_[kind].indicator.data();
+    const float* const end_indicator = best_[end].indicator.data() + offset;
+    for_each_bit(edges, [&](int node) {
+      const auto low = static_cast<std::size_t>(node);
+      out[node] = fraction(indicator[node] - other_[f][kLow][low],
+                           end_indicator[node] - other_[f][kHigh][low]);
     });
   }
 
@@ -251,90 +347,25 @@ class IndicatorSampler final : public LabelSampler {
     }
   }
 
-  /// The indicator of a label at a node, by halo index.
-  float at(NodeKind kind, int node, Label label) const noexcept {
-    return at(kind, node >> 8, node >> 4 & 15, node & 15, label);
-  }
-
-  /// The voxels of a node, row by row: `visit(x weights' index, ...)` as `at` sums them.
-  float at(NodeKind kind, int x, int y, int z, Label label) const noexcept {
-    const auto& [tx, ty, tz] = taps_[kind];
-    const Taps& ax = tx.node[static_cast<std::size_t>(x)];
-    const Taps& ay = ty.node[static_cast<std::size_t>(y)];
-    const Taps& az = tz.node[static_cast<std::size_t>(z)];
-    float sum_z = 0;
-    for (std::size_t k = 0; k < az.count; ++k) {
-      float sum_y = 0;
-      for (std::size_t j = 0; j < ay.count; ++j) {
-        float sum_x = 0;
-        for (std::size_t i = 0; i < ax.count; ++i) {
-          sum_x +=
-              tx.weights[ax.begin + i] *
-              (voxel_[index(ax.first, i, ay.first, j, az.first, k)] == label ? 1.0F : 0.0F);
-        }
-        sum_y += ty.weights[ay.begin + j] * sum_x;
-      }
-      sum_z += tz.weights[az.begin + k] * sum_y;
-    }
-    return sum_z;
-  }
-
-  std::size_t index(std::int32_t x,
-                    std::size_t i,
-                    std::int32_t y,
-                    std::size_t j,
-                    std::int32_t z,
-                    std::size_t k) const noexcept {
-    const auto from = [](std::int32_t voxel, std::int32_t min) {
-      return static_cast<std::size_t>(voxel - min);
-    };
-    return ((from(x, window_.box.min.x) + i) * window_.size[1] + from(y, window_.box.min.y) +
-            j) *
-               window_.size[2] +
-           from(z, window_.box.min.z) + k;
-  }
-
-  Label largest_at(NodeKind kind, int x, int y, int z) {
-    x -= kFirstNode;
-    y -= kFirstNode;
-    z -= kFirstNode;
-    const auto& [tx, ty, tz] = taps_[kind];
-    const Taps& ax = tx.node[static_cast<std::size_t>(x)];
-    const Taps& ay = ty.node[static_cast<std::size_t>(y)];
-    const Taps& az = tz.node[static_cast<std::size_t>(z)];
-    near_.clear();
-    for (std::size_t i = 0; i < ax.count; ++i) {
-      for (std::size_t j = 0; j < ay.count; ++j) {
-        for (std::size_t k = 0; k < az.count; ++k) {
-          near_.push_back(voxel_[index(ax.first, i, ay.first, j, az.first, k)]);
-        }
-      }
-    }
-    std::ranges::sort(near_);
-    near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
-    Label best = near_[0];
-    float most = -1;
-    for (const Label label : near_) {
-      const float value = at(kind, x, y, z, label);
-      if (value <= most) continue;
-      most = value;
-      best = label;
-    }
-    return best;
-  }
-
   const LabelVoxels& voxels_;
   const IndicatorRules rules_;
+  const Cancellation* cancellation_;
   bool entered_ = false;
   std::array<std::int32_t, 3> at_{};
   std::array<std::array<TapRow, 3>, kNodeKinds> taps_;
   VoxelWindow window_;
   std::vector<Label> voxel_;
-  std::vector<Label> label_;      // around the brick, ascending
-  std::vector<Label> near_;       // around a node
-  std::vector<HaloField> field_;  // of each label, corners before centres
+  std::vector<Label> label_;            // around the brick, ascending
+  std::vector<std::uint8_t> is_there_;  // by label
   std::array<BestLabels, kNodeKinds> best_;
+
+  // Where there are few labels.
+  std::vector<HaloField> field_;  // of each label, corners before centres
   Convolution convolution_;
+
+  // Where there are many: by family, end and lower node what the end has of the other's label.
+  std::vector<std::array<HaloField, 2>> other_;
+  SparseSums sums_;
 };
 
 }  // namespace

@@ -13,16 +13,12 @@ struct AxisKernel {
   double scale;  ///< voxels: a Gaussian's width, and what the others are stretched by
   double reach;
 
-  AxisKernel(const IndicatorRules& rules, double spacing) noexcept : kind(rules.kernel) {
-    // On a lattice coarser than the voxels a kernel grows with it.
-    const double step = std::max(1.0, spacing);
-    scale = kind == LabelKernel::kGauss ? gaussian_width(rules.smooth, spacing) : step;
-    constexpr double kCutOff = 2 / kDefaultSmooth;
-    reach = kind == LabelKernel::kTrilinear   ? scale
-            : kind == LabelKernel::kQuadratic ? 1.5 * scale
-                                              : std::max(1.0, kCutOff * scale);
-    reach += 1e-9;  // a voxel just at the end is in, however that was rounded
-  }
+  AxisKernel(const IndicatorRules& rules, double spacing) noexcept
+      : kind(rules.kernel),
+        scale(kind == LabelKernel::kGauss ? gaussian_width(rules.smooth, spacing)
+                                          : std::max(1.0, spacing)),
+        // A voxel just at the end is in, however that was rounded.
+        reach(kernel_reach(kind, rules.smooth, spacing) + 1e-9) {}
 
   double at(double distance) const noexcept {
     const double x = std::abs(distance) / scale;

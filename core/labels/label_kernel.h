@@ -33,4 +33,20 @@ inline double gaussian_width(double smooth, double spacing) noexcept {
   return std::sqrt(least * least + kCoarse * kCoarse * (step * step - 1));
 }
 
+/// How far a node sees along an axis, voxels, where nodes are `spacing` apart. On a lattice
+/// coarser than the voxels a kernel grows with it.
+inline double kernel_reach(LabelKernel kernel, double smooth, double spacing) noexcept {
+  constexpr double kCutOff = 2 / kDefaultSmooth;
+  const double step = std::max(1.0, spacing);
+  switch (kernel) {
+    case LabelKernel::kTrilinear:
+      return step;
+    case LabelKernel::kQuadratic:
+      return 1.5 * step;
+    case LabelKernel::kGauss:
+      break;
+  }
+  return std::max(1.0, kCutOff * gaussian_width(smooth, spacing));
+}
+
 }  // namespace tet

@@ -1,6 +1,8 @@
 // Indicators: labels and cut points from voxels, the same in every brick that sees them.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -10,10 +12,12 @@
 #include <gtest/gtest.h>
 
 #include "core/labels/kernel_taps.h"
+#include "core/labels/lattice_faces.h"
 #include "core/mesh/quality.h"
 #include "core/plan/mesh_request.h"
 #include "tests/core/labels/label_meshing.h"
 #include "tests/support/conformity.h"
+#include "tests/support/counted_looks.h"
 #include "tests/support/voxel_arrays.h"
 
 namespace tet {
@@ -82,8 +86,34 @@ Label anything(VoxelCoord v) {
   return static_cast<Label>(1 + (v.x * 7919 + v.y * 104729 + v.z * 1299709) % 997);
 }
 
-/// Checks that all bricks of a box see the same labels and fractions; returns how many nodes
-/// were seen again.
+/// All faces of a brick and its halo with three labels, those of their edges' fractions.
+std::vector<TripleFace> faces_of_three(const LabelSamples& samples) {
+  constexpr HaloSet kSeen = halo_cube(-1, 8);
+  std::vector<TripleFace> faces;
+  for (std::size_t f = 0; f < kFaceFamilies; ++f) {
+    const FaceFamily& family = kFaceFamily[f];
+    for_each_bit(kSeen, [&](int low) {
+      std::array<Label, 3> label;
+      for (std::size_t n = 0; n < 3; ++n) {
+        if (!kSeen.test(low + family.to_node[n])) return;
+        label[n] =
+            samples.label[family.kind[n]][static_cast<std::size_t>(low + family.to_node[n])];
+      }
+      if (label[0] == label[1] || label[1] == label[2] || label[0] == label[2]) return;
+      faces.push_back({static_cast<std::uint8_t>(f), static_cast<std::uint16_t>(low)});
+    });
+  }
+  return faces;
+}
+
+/// The bits of a place on a face, which may be nowhere.
+std::uint64_t bits_of(const FacePoint& point) {
+  return std::uint64_t{std::bit_cast<std::uint32_t>(point.second)} << 32 |
+         std::bit_cast<std::uint32_t>(point.third);
+}
+
+/// Checks that all bricks of a box see the same labels, fractions and faces; returns how many
+/// nodes were seen again.
 std::size_t check_what_bricks_see(const IndicatorRules& rules, const BrickBox& box) {
   // A quarter has a few labels, the rest too many to convolve: the sums must be the same bits.
   const auto voxels = std::make_shared<const VoxelArray>(
@@ -91,9 +121,10 @@ std::size_t check_what_bricks_see(const IndicatorRules& rules, const BrickBox& b
   const auto sampler = source(voxels, rules)->sampler();
   std::map<std::tuple<int, int, int, int>, Label> label_of;
   std::map<std::tuple<int, int, int, int>, float> fraction_of;
+  std::map<std::tuple<int, int, int, int>, std::uint64_t> point_of;
   const auto samples = std::make_unique<LabelSamples>();
   EdgeSets changes;
-  std::size_t again = 0;
+  std::size_t again = 0, faces_again = 0;
   for_each_brick(box, [&](BrickCoord brick) {
     if (sampler->one_label(brick)) return;
     sampler->sample_labels(brick, *samples);
@@ -121,7 +152,17 @@ std::size_t check_what_bricks_see(const IndicatorRules& rules, const BrickBox& b
                   fraction);
       });
     }
+    const std::vector<TripleFace> faces = faces_of_three(*samples);
+    std::vector<FacePoint> points(faces.size());
+    sampler->sample_triples(brick, faces, *samples, points);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      const auto [known, is_new] =
+          point_of.try_emplace(at(faces[i].low, faces[i].family), bits_of(points[i]));
+      faces_again += is_new ? 0 : 1;
+      EXPECT_EQ(known->second, bits_of(points[i]));
+    }
   });
+  EXPECT_GT(faces_again, 10U);
   return again;
 }
 
@@ -164,6 +205,58 @@ TEST(Indicators, GiveANodeTheLabelOfItsVoxelsAndOfEqualOnesTheLower) {
     EXPECT_EQ(label(kCentre, 7, 4, 4), 1);
     EXPECT_EQ(label(kCentre, 7, 7, 7), 1);
     EXPECT_EQ(label(kCorner, -2, 4, 4), 0);
+  }
+}
+
+/// How often a sampler looks at whether it is cancelled while it samples a brick.
+std::size_t looks_in_a_brick(const std::function<Label(VoxelCoord)>& label,
+                             const IndicatorRules& rules) {
+  const auto voxels = std::make_shared<const VoxelArray>(64, Label{0}, label);
+  test::CountedLooks counted;
+  const auto sampler = source(voxels, rules)->sampler();
+  sampler->stop_when(counted.cancellation);
+  EXPECT_FALSE(sampler->one_label({0, 0, 0}));
+  const auto samples = std::make_unique<LabelSamples>();
+  sampler->sample_labels({0, 0, 0}, *samples);
+  return counted.looks;
+}
+
+TEST(Indicators, LookAtTheirCancellationWithinABrick) {
+  // It looks between two labels where they are few, else between two rows of nodes.
+  const IndicatorRules coarse{.spacing_voxels = {3, 3, 3}};
+  EXPECT_GE(looks_in_a_brick(octant, coarse), 2U * 8);
+  EXPECT_GE(looks_in_a_brick(anything, coarse), 2U * 12 * 12);
+}
+
+TEST(Indicators, StopWithinABrickWhenTheyAreCancelled) {
+  const auto voxels = std::make_shared<const VoxelArray>(16, Label{0}, anything);
+  for (const std::size_t most : {0U, 1U, 100U, 300U, 400U}) {
+    test::CountedLooks counted{.most = most};
+    const auto sampler = source(voxels)->sampler();
+    sampler->stop_when(counted.cancellation);
+    ASSERT_FALSE(sampler->one_label({0, 0, 0}));
+    const auto samples = std::make_unique<LabelSamples>();
+    EdgeSets changes;
+    sampler->sample_labels({0, 0, 0}, *samples);
+    // What it leaves is made up, but it is of labels that there are.
+    find_label_changes(samples->label, changes);
+    sampler->sample_fractions({0, 0, 0}, changes, *samples);
+    EXPECT_LE(counted.looks, most + 1);
+  }
+}
+
+TEST(Indicators, TakeNoLongerForMoreLabels) {
+  // Nodes see 14,000 voxels each, and thousands of labels: one after the other took minutes.
+  const auto voxels = std::make_shared<const VoxelArray>(40, Label{0}, [](VoxelCoord v) {
+    return static_cast<Label>(1600 * v.x + 40 * v.y + v.z);
+  });
+  const auto sampler = source(voxels, {.smooth = kMostSmooth})->sampler();
+  ASSERT_FALSE(sampler->one_label({2, 2, 2}));
+  const auto samples = std::make_unique<LabelSamples>();
+  sampler->sample_labels({2, 2, 2}, *samples);
+  for (const int at : {-2, 3, 9}) {
+    EXPECT_EQ(samples->label[kCorner][static_cast<std::size_t>(halo_index(at, at, at))],
+              (1600 + 40 + 1) * (16 + at));
   }
 }
 
