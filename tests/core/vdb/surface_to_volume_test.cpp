@@ -151,13 +151,13 @@ TEST(SurfaceToVolume, RefusesVoxelSizesThatMakeNoSense) {
 
 TEST(SurfaceToVolume, RefusesVoxelSizesWhoseDistancesNoFloatHolds) {
   const auto scaled = [](double size) { return test::placed(box(-10, 10), size, {}); };
-  for (const double bad : {1e-46, 9e-31, 1.1e30, 1e50}) {
+  for (const double bad : {1e-46, 9e-29, 1.1e28, 1e50}) {
     const absl::Status status = surface_to_volume(scaled(bad), bad).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad;
-    EXPECT_THAT(status.message(), HasSubstr("is not from 1e-30 to 1e+30"));
+    EXPECT_THAT(status.message(), HasSubstr("is not from 1e-28 to 1e+28"));
     EXPECT_THAT(status.message(), HasSubstr("use another unit of length"));
   }
-  for (const double good : {1e-30, 1e30}) {
+  for (const double good : {1e-28, 1e28}) {
     const auto result = surface_to_volume(scaled(good), good);
     ASSERT_TRUE(result.ok()) << result.status();
     VolumeReader reader(result->volume);
