@@ -204,7 +204,7 @@ Bytes torn_bricks() {
   return chunk;
 }
 
-/// The same, but the upper one has the cut points of its own edges.
+/// Two such bricks, of which the upper one has the cut points of its own edges.
 Bytes half_torn_bricks(bool both_sides, std::size_t cuts) {
   Bytes chunk;
   append(chunk, std::uint8_t{2});
