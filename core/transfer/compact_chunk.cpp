@@ -222,15 +222,14 @@ absl::Status CompactBricks::add_brick(Reader& reader) {
   if (reader.level < 0 && step != kAnywhere) return broken("its first brick is nowhere");
   const auto at = read_place(reader, step);
   const auto last_level = static_cast<int>(levels_.size()) - 1;
-  if (reader.level != last_level && reader.level != last_level + 1) {
-    return broken("levels out of order");
-  }
+  if (reader.level < last_level) return broken("levels out of order");
   if (!within_limits(at)) return broken("a brick beyond index space");
   const BrickCoord brick{static_cast<std::int32_t>(at[0]), static_cast<std::int32_t>(at[1]),
                          static_cast<std::int32_t>(at[2])};
   if (reader.level > last_level) {
     if (reader.level > kMaxLevels) return broken("too many levels");
-    levels_.emplace_back();
+    // A mesh of one side alone has no brick of the finest ones.
+    levels_.resize(static_cast<std::size_t>(reader.level) + 1);
   }
   OctreeLevel& level = levels_.back();
   if (!level.bricks.empty() && !(level.bricks.back() < brick)) {

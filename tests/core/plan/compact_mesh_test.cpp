@@ -91,6 +91,15 @@ std::vector<Case> cases() {
   add("signs", test::random_signs(20, 3), graded);
   add("signs, manifold", test::random_signs(20, 4), manifold);
   add("signs, both sides", test::random_signs(16, 11), both_sides);
+  // No node sees the speck, so all that is meshed are coarse leaves around it.
+  MeshRequest around;
+  around.preset = Preset::kBothSides;
+  around.spacing = 2;
+  around.levels = 4;
+  around.box = WorldBox{WorldPoint{-64, -64, -64}, WorldPoint{64, 64, 64}};
+  const auto speck = [](VoxelCoord v) { return v == VoxelCoord{9, 8, 8} ? -0.1F : 1.0F; };
+  add("nothing, both sides", test::dense_volume({{-16, -16, -16}, {15, 15, 15}}, 1, speck),
+      around);
   return cases;
 }
 
