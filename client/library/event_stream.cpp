@@ -47,9 +47,12 @@ absl::StatusOr<bool> EventStream::step() {
       if (status.ok()) return true;
       attempt_->call.context().TryCancel();
     }
+    const bool given_up = cancellation_.requested();
+    if (given_up) attempt_->call.context().TryCancel();
     const ServerChannel& server = attempt_->server;
     const absl::Status ended = end_attempt();
     if (call_.complete()) return false;
+    if (status.ok() && given_up) return check_cancelled(cancellation_);
     if (status.ok()) status = ended;
     if (status.ok()) {
       status = absl::UnavailableError("the stream ended before all of it had come");
@@ -58,12 +61,15 @@ absl::StatusOr<bool> EventStream::step() {
   }
 }
 
-/// The next event, wherever it comes; false where there is none.
+/// The next event, wherever it comes; false where there is none, or nobody waits for it any
+/// more.
 bool EventStream::next(grpc::ByteBuffer& event) {
   RawCall& stream = attempt_->stream;
   const bool beside =
       call_.shared != nullptr &&
       call_.shared->take_event(event, cancellation_, [&] { return stream.can_read(); });
+  // What is left beside the stream comes before what is in it.
+  if (!beside && cancellation_.requested()) return false;
   return beside || stream.read(event);
 }
 

@@ -148,6 +148,8 @@ absl::Status RemeshSession::receive(Receiver& receiver) {
     grpc::ByteBuffer event;
     const bool beside =
         shared_->take_event(event, cancellation_, [&] { return stream_->can_read(); });
+    // What is left beside the stream comes before what is in it.
+    if (!beside && cancellation_.requested()) return give_up(check_cancelled(cancellation_));
     if (!beside && !stream_->read(event)) return broken();
     if (auto taken = receiver.take(event); !taken.ok()) return give_up(std::move(taken));
   }

@@ -1,5 +1,6 @@
 // Chunks in shared memory: the same bytes, and clients that do not do what they should.
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <optional>
@@ -58,6 +59,25 @@ TEST_F(SharedMemoryTest, GoesOnWhereAServerEnded) {
   EXPECT_TRUE(restarted);
   EXPECT_TRUE(mesh->shared_memory);
   EXPECT_TRUE(same_bytes(whole.mesh, mesh->mesh));
+}
+
+// What is left beside the stream when a call is stopped is not taken for missing.
+TEST_F(SharedMemoryTest, ACallThatIsStoppedAnywhereSaysThatItWas) {
+  start();
+  const v1::MeshRequest request = uniform_ball(20);
+  const auto client = local();
+  int stopped = 0;
+  for (int looks = 0; looks < 120; ++looks) {
+    std::atomic<int> left{looks};
+    const Cancellation stops(Cancellation::Clock::time_point::max(),
+                             [&] { return left.fetch_sub(1) <= 0; });
+    const auto mesh = client->stream_mesh(request, {}, stops);
+    if (mesh.ok()) continue;
+    ++stopped;
+    EXPECT_EQ(mesh.status().code(), absl::StatusCode::kCancelled)
+        << looks << ": " << mesh.status();
+  }
+  EXPECT_GT(stopped, 0);
 }
 
 TEST_F(SharedMemoryTest, BringsAnyRangeAndPatches) {
