@@ -21,6 +21,30 @@ std::string values_of(const PhiField& field) {
       min, max, side_name(side));
 }
 
+bool has_values_inside(const PhiField& field, double iso) {
+  const auto [min, max] = value_range(*field.volume);
+  const bool below = inside_side(*field.volume, field.inside) == InsideSide::kBelow;
+  return below ? double{min} < iso : double{max} > iso;
+}
+
+/// What to change where no node is inside.
+std::string remedy_of(const PreparedMesh& prepared) {
+  const PhiField& field = prepared.field;
+  const double spacing = prepared.asked.spacing;
+  const bool in_box = prepared.space.domain.has_value();
+  if (field.volume == nullptr) {
+    return absl::StrFormat("; %sa solid thinner than spacing %g needs a smaller one",
+                           in_box ? "move the box, or " : "", spacing);
+  }
+  if (!has_values_inside(field, prepared.asked.iso)) return values_of(field);
+  const auto [min, max] = value_range(*field.volume);
+  return absl::StrFormat(
+      "; of the grid's values, from %g to %g, those inside lie %sbetween nodes of spacing %g: "
+      "%suse a smaller spacing",
+      min, max, in_box ? "outside the box, or " : "", spacing,
+      in_box ? "move the box, or " : "");
+}
+
 /// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin) {
   const CanonicalRequest& asked = prepared.asked;
@@ -32,12 +56,13 @@ absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin
   if (!thin.any()) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "nothing%s is inside at iso %g, so there is nothing to mesh%s",
-        prepared.space.domain ? " in the box" : "", asked.iso, values_of(prepared.field)));
+        prepared.space.domain ? " in the box" : "", asked.iso, remedy_of(prepared)));
   }
   if (thin.suggested_spacing == 0) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "all that is inside at iso %g is thinner than spacing %g resolves, so nothing of it is "
-        "left to mesh; sample a grid more finely, if it has more than its edges to show",
+        "left to mesh; use a smaller spacing, and sample a grid more finely that has no more "
+        "than its edges to show",
         asked.iso, asked.spacing));
   }
   return absl::FailedPreconditionError(absl::StrFormat(

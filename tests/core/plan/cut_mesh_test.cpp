@@ -233,8 +233,10 @@ TEST(CutMesh, IsRefusedWithItsReason) {
   request.box = WorldBox{{3, 3, 3}, {4, 4, 4}};
   const auto empty = try_to_mesh(unit_ball(), request);
   EXPECT_EQ(empty.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_EQ(empty.status().message(),
-            "nothing in the box is inside at iso 0, so there is nothing to mesh");
+  EXPECT_EQ(
+      empty.status().message(),
+      "nothing in the box is inside at iso 0, so there is nothing to mesh; move the box, or "
+      "a solid thinner than spacing 0.125 needs a smaller one");
 }
 
 }  // namespace

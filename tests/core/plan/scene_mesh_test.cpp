@@ -184,7 +184,8 @@ TEST(SceneMesh, SaysWhereThereIsNothingInside) {
   const std::string small = gone.add(scene::Sphere{1});
   gone.add(scene::Combination{scene::Combine::kDifference, {small, small}});
   EXPECT_EQ(refusal(gone.scene(), exact(0.1)),
-            "nothing is inside at iso 0, so there is nothing to mesh");
+            "nothing is inside at iso 0, so there is nothing to mesh; a solid thinner than "
+            "spacing 0.1 needs a smaller one");
 }
 
 }  // namespace
