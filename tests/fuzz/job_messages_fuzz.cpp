@@ -171,7 +171,7 @@ class Calls {
     values.emplace_back(std::string("algorithm"));
     for (int i = 0; i < 2; ++i) values.emplace_back(number());  // replans, shards given back
     values.emplace_back(Blob{std::string(bytes)});              // why they were
-    values.emplace_back(number());                              // leased shards
+    for (int i = 0; i < 2; ++i) values.emplace_back(number());  // looks for room, leased shards
     values.emplace_back(Blob{std::string(bytes)});
     values.emplace_back(Blob{std::string(bytes)});
     check_told(job_row(SqlRow(std::move(values))).job);

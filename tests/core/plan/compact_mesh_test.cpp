@@ -95,7 +95,7 @@ std::vector<Case> cases() {
   MeshRequest around;
   around.preset = Preset::kBothSides;
   around.spacing = 2;
-  around.levels = 4;
+  around.levels = 1;
   around.box = WorldBox{WorldPoint{-64, -64, -64}, WorldPoint{64, 64, 64}};
   const auto speck = [](VoxelCoord v) { return v == VoxelCoord{9, 8, 8} ? -0.1F : 1.0F; };
   add("nothing, both sides", test::dense_volume({{-16, -16, -16}, {15, 15, 15}}, 1, speck),
