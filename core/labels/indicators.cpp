@@ -304,7 +304,8 @@ class IndicatorSampler final : public LabelSampler {
   void find_fractions(const EdgeFamily& family,
                       const HaloSet& edges,
                       float* out) const noexcept {
-    const auto [kind, end, offset] = family;
+    const auto kind = family.kind, end = family.end;
+    const auto offset = family.offset;
     const float* const indicator = best_[kind].indicator.data();
     const std::uint16_t* const place = best_[kind].place.data();
     const float* const end_indicator = best_[end].indicator.data() + offset;
