@@ -47,7 +47,7 @@ class NeededMeshesTest : public testing::Test {
   LeaseId claim() { return store_->claim({"w", 1, absl::Hours(1)}).value().at(0).id; }
   std::vector<NeededMesh> needed() { return needed_meshes(*store_).value(); }
 
-  const SqliteHome home_;
+  SqliteHome home_;
   const std::unique_ptr<JobStore> store_ = home_.open({});
 };
 
