@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 
@@ -19,6 +20,8 @@ Number read(const std::byte* from) noexcept {
   return number;
 }
 
+/// Most meshes' edges are fit to be measured as they are, and then nothing is multiplied.
+template <bool kScaled>
 class FloatPositions {
  public:
   FloatPositions(std::span<const std::byte> bytes, const EdgeScale& scale) noexcept
@@ -27,7 +30,8 @@ class FloatPositions {
         factor_(scale.factor()) {}
 
   FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
-    return factor_ * (row(b) - row(a));
+    const FloatRow edge = row(b) - row(a);
+    return kScaled ? factor_ * edge : edge;
   }
 
  private:
@@ -96,8 +100,11 @@ template <class Positions>
 
 EdgeScale::EdgeScale(double spacing) noexcept {
   constexpr int kMost = 120;  // both it and its inverse are floats
+  constexpr int kFit = 12;  // fourth powers of edges that are so near 1 are far from any limit
   if (!(spacing > 0) || !std::isfinite(spacing)) return;
-  exponent_ = std::clamp(std::ilogb(spacing), -kMost, kMost);
+  const int exponent = std::clamp(std::ilogb(spacing), -kMost, kMost);
+  if (std::abs(exponent) <= kFit) return;
+  exponent_ = exponent;
   factor_ = std::ldexp(1.0F, -exponent_);
 }
 
@@ -115,7 +122,11 @@ void load_batch(const MeshView& view,
                 TetBatch& batch) noexcept {
   const std::uint64_t last = first + count - 1;
   if (view.coordinate_type == CoordinateType::kFloat32) {
-    load<FloatPositions>(view, first, last, scale, batch);
+    if (scale.factor() == 1) {
+      load<FloatPositions<false>>(view, first, last, scale, batch);
+    } else {
+      load<FloatPositions<true>>(view, first, last, scale, batch);
+    }
   } else {
     load<DoublePositions>(view, first, last, scale, batch);
   }

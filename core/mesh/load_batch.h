@@ -14,7 +14,7 @@ namespace tet {
 /// mesh in metres that is of molecules, or of galaxies.
 class EdgeScale {
  public:
-  /// For edges of about `spacing`; what is not positive scales nothing.
+  /// For edges of about `spacing`; what is near 1, or not positive, scales nothing.
   explicit EdgeScale(double spacing) noexcept;
 
   float factor() const noexcept { return factor_; }
