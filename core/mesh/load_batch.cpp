@@ -20,19 +20,12 @@ Number read(const std::byte* from) noexcept {
   return number;
 }
 
-/// Most meshes' edges are fit to be measured as they are, and then nothing is multiplied.
-template <bool kScaled>
 class FloatPositions {
  public:
-  FloatPositions(std::span<const std::byte> bytes, const EdgeScale& scale) noexcept
-      : first_(bytes.data()),
-        last_(bytes.data() + bytes.size() - kStride),
-        factor_(scale.factor()) {}
+  FloatPositions(std::span<const std::byte> bytes, const EdgeScale&) noexcept
+      : first_(bytes.data()), last_(bytes.data() + bytes.size() - kStride) {}
 
-  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
-    const FloatRow edge = row(b) - row(a);
-    return kScaled ? factor_ * edge : edge;
-  }
+  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept { return row(b) - row(a); }
 
  private:
   static constexpr std::size_t kStride = 3 * sizeof(float);
@@ -44,17 +37,16 @@ class FloatPositions {
   }
 
   const std::byte *first_, *last_;
-  float factor_;
 };
 
 class DoublePositions {
  public:
-  DoublePositions(std::span<const std::byte> bytes, const EdgeScale& scale) noexcept
-      : first_(bytes.data()), factor_(static_cast<double>(scale.factor())) {}
+  DoublePositions(std::span<const std::byte> bytes, const EdgeScale&) noexcept
+      : first_(bytes.data()) {}
 
   FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
     const auto step = [&](std::uint64_t k) {
-      return static_cast<float>(factor_ * (coordinate(b, k) - coordinate(a, k)));
+      return static_cast<float>(coordinate(b, k) - coordinate(a, k));
     };
     return FloatRow{step(0), step(1), step(2), 0};
   }
@@ -65,7 +57,22 @@ class DoublePositions {
   }
 
   const std::byte* first_;
-  double factor_;
+};
+
+/// Positions whose edges are not fit to be measured as they are.
+template <class Positions>
+class Scaled {
+ public:
+  Scaled(std::span<const std::byte> bytes, const EdgeScale& scale) noexcept
+      : positions_(bytes, scale), factor_(scale.factor()) {}
+
+  FloatRow edge(std::uint64_t a, std::uint64_t b) const noexcept {
+    return factor_ * positions_.edge(a, b);
+  }
+
+ private:
+  Positions positions_;
+  float factor_;
 };
 
 template <class Index, class Positions>
@@ -112,23 +119,49 @@ double EdgeScale::volume_of(double scaled) const noexcept {
   return std::ldexp(scaled, 3 * exponent_);
 }
 
+namespace {
+
 // Rows become columns of eight: without instructions for as many that takes as long again as
-// all that is measured.
+// all that is measured. Two functions, since compilers inline no more kinds of positions in
+// one.
 TET_VECTOR_CLONES
+void load_as_stored(const MeshView& view,
+                    std::uint64_t first,
+                    std::uint64_t last,
+                    const EdgeScale& scale,
+                    TetBatch& batch) noexcept {
+  if (view.coordinate_type == CoordinateType::kFloat32) {
+    load<FloatPositions>(view, first, last, scale, batch);
+  } else {
+    load<DoublePositions>(view, first, last, scale, batch);
+  }
+}
+
+TET_VECTOR_CLONES
+void load_scaled(const MeshView& view,
+                 std::uint64_t first,
+                 std::uint64_t last,
+                 const EdgeScale& scale,
+                 TetBatch& batch) noexcept {
+  if (view.coordinate_type == CoordinateType::kFloat32) {
+    load<Scaled<FloatPositions>>(view, first, last, scale, batch);
+  } else {
+    load<Scaled<DoublePositions>>(view, first, last, scale, batch);
+  }
+}
+
+}  // namespace
+
 void load_batch(const MeshView& view,
                 std::uint64_t first,
                 std::size_t count,
                 const EdgeScale& scale,
                 TetBatch& batch) noexcept {
   const std::uint64_t last = first + count - 1;
-  if (view.coordinate_type == CoordinateType::kFloat32) {
-    if (scale.factor() == 1) {
-      load<FloatPositions<false>>(view, first, last, scale, batch);
-    } else {
-      load<FloatPositions<true>>(view, first, last, scale, batch);
-    }
+  if (scale.factor() == 1) {
+    load_as_stored(view, first, last, scale, batch);
   } else {
-    load<DoublePositions>(view, first, last, scale, batch);
+    load_scaled(view, first, last, scale, batch);
   }
 }
 
