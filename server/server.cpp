@@ -118,8 +118,8 @@ struct Server::Parts {
   std::unique_ptr<GridStore> store;
   Admission admission{admission_limits(config)};
   CallRegistry calls{*access, admission};
-  TaskPool disk{kDiskThreads};
   FairTasks disk_turns{disk, &calls.clients()};
+  TaskPool disk{kDiskThreads};  // ends first: a task is charged once it is done
   MeshEngine engine{config, calls, *store};
   GridService grid_service{*store,          calls,         disk_turns,
                            engine.decoders, engine.stalls, config.resident_bytes};

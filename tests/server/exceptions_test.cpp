@@ -69,8 +69,8 @@ class Failing final : public v1::JobService::CallbackService {
   std::unique_ptr<Access> access_;
   Admission admission_{some_calls()};
   CallRegistry registry_{*access_, admission_};
-  TaskPool pool_{2};
   FairTasks threads_{pool_};
+  TaskPool pool_{2};  // ends first: a task is charged once it is done
 };
 
 class ExceptionsTest : public testing::Test {

@@ -47,8 +47,8 @@ class VerifyTest : public testing::Test {
   }
 
   test::TestDirectory directory_;
-  TaskPool pool_{1};
   FairTasks disk_{pool_};
+  TaskPool pool_{1};  // ends first: a task is charged once it is done
 };
 
 TEST_F(VerifyTest, TellsWhatAFileIsWhetherInTurnsOrNot) {
