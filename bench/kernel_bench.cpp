@@ -260,10 +260,12 @@ using MeasureMesh = std::function<void(const TetMesh&)>;
 
 void measure(benchmark::State& state,
              const Prepared& prepared,
-             const MeasureMesh& measure_mesh) {
+             const MeasureMesh& measure_mesh,
+             CoordinateType coordinates = CoordinateType::kFloat32) {
   TaskPool pool(1);
   MeshRequest request;
   request.levels = 0;
+  request.coordinates = coordinates;
   const MeshResult result =
       mesh_volume(pool, {.shape = prepared.volume, .request = request}).value();
   for (auto _ : state) measure_mesh(result.mesh);
@@ -278,8 +280,12 @@ void add_stages(Solid solid, const BenchSize& size) {
   add("octree_graded", solid, size, std::bind(grow_octree, _1, _2, kMaxLevels));
   add("count_uniform", solid, size, std::bind(count_mesh, _1, _2, 0));
   add("count_graded", solid, size, std::bind(count_mesh, _1, _2, kMaxLevels));
-  add("measure_quality", solid, size, std::bind(measure, _1, _2, measure_quality));
-  add("measure_boundary", solid, size, std::bind(measure, _1, _2, measure_boundary));
+  const auto add_measure = [&](const char* stage, const MeasureMesh& body, auto coordinates) {
+    add(stage, solid, size, std::bind(measure, _1, _2, body, coordinates));
+  };
+  add_measure("measure_quality", measure_quality, CoordinateType::kFloat32);
+  add_measure("measure_quality_float64", measure_quality, CoordinateType::kFloat64);
+  add_measure("measure_boundary", measure_boundary, CoordinateType::kFloat32);
 }
 
 /// The smallest size at which a ball has bricks far inside, and coarse ones.
