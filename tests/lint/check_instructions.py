@@ -10,10 +10,16 @@ import sys
 MMX = re.compile(r"%mm[0-7]\b")
 
 
+def disassembly(program, *options):
+    return subprocess.run(["objdump", "--disassemble", "--no-show-raw-insn", *options, program],
+                          check=True, capture_output=True).stdout
+
+
 def functions_with_mmx(program):
     """Names of the functions, as objdump shows them."""
-    listing = subprocess.run(["objdump", "--disassemble", "--demangle", "--no-show-raw-insn", program],
-                             check=True, capture_output=True, text=True).stdout
+    if b"%mm" not in disassembly(program):
+        return []  # as always; with names, line by line, it would take twice as long
+    listing = disassembly(program, "--demangle").decode("utf-8", "replace")
     found, function = [], "?"
     for line in listing.splitlines():
         if line.endswith(">:"):
