@@ -22,6 +22,10 @@ def binaries():
     return pathlib.Path(os.environ["TETSTREAM_BIN"])
 
 
+# Nobody waits for a balancer of load, and no call is cut off because the machine is slow: half of GENEROUS_END.
+UNHURRIED = {"TETSTREAM_LAME_DUCK_SECONDS": "0", "TETSTREAM_DRAIN_SECONDS": "150"}
+
+
 class RunningProgram:
     """tetstreamd with these arguments, until it is stopped. `metrics` is host:port.
 
@@ -34,7 +38,7 @@ class RunningProgram:
             [*launch, binaries() / "tetstreamd", *map(str, arguments),
              "--metrics-listen", "127.0.0.1:0"],
             stdout=subprocess.DEVNULL, stderr=self._log,
-            env={"TETSTREAM_LAME_DUCK_SECONDS": "0", **os.environ, **(environment or {})})
+            env={**UNHURRIED, **os.environ, **(environment or {})})
         try:
             self.ready = wait_until(lambda: self._line(ready_event))
         except AssertionError:
