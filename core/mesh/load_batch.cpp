@@ -91,17 +91,34 @@ template <class Index, class Positions>
   });
 }
 
+// Rows become columns of eight: without instructions for as many that takes as long again as
+// all that is measured. Each kind of positions has a function of its own, and what reads them
+// is always inlined: where compilers left that to themselves, a kind took up to thirty times as
+// long.
 template <class Positions>
-[[gnu::always_inline]] inline void load(const MeshView& view,
-                                        std::uint64_t first,
-                                        std::uint64_t last,
-                                        const EdgeScale& scale,
-                                        TetBatch& batch) noexcept {
+TET_VECTOR_CLONES void load_all(const MeshView& view,
+                                std::uint64_t first,
+                                std::uint64_t last,
+                                const EdgeScale& scale,
+                                TetBatch& batch) noexcept {
   const Positions positions(view.positions, scale);
   if (view.index_type == IndexType::kUint32) {
     load<std::uint32_t>(view.tets.data(), positions, first, last, batch);
   } else {
     load<std::uint64_t>(view.tets.data(), positions, first, last, batch);
+  }
+}
+
+template <class Positions>
+void load_scaled(const MeshView& view,
+                 std::uint64_t first,
+                 std::uint64_t last,
+                 const EdgeScale& scale,
+                 TetBatch& batch) noexcept {
+  if (scale.factor() == 1) {
+    load_all<Positions>(view, first, last, scale, batch);
+  } else {
+    load_all<Scaled<Positions>>(view, first, last, scale, batch);
   }
 }
 
@@ -121,57 +138,16 @@ double EdgeScale::volume_of(double scaled) const noexcept {
   return std::ldexp(scaled, 3 * exponent_);
 }
 
-namespace {
-
-// Rows become columns of eight: without instructions for as many that takes as long again as
-// all that is measured. Each kind of positions has a function of its own, and what reads them
-// is always inlined: where compilers left that to themselves, a kind took up to thirty times as
-// long.
-TET_VECTOR_CLONES
-void load_floats(const MeshView& view,
-                 std::uint64_t first,
-                 std::uint64_t last,
-                 const EdgeScale& scale,
-                 TetBatch& batch) noexcept {
-  load<FloatPositions>(view, first, last, scale, batch);
-}
-
-TET_VECTOR_CLONES
-void load_doubles(const MeshView& view,
-                  std::uint64_t first,
-                  std::uint64_t last,
-                  const EdgeScale& scale,
-                  TetBatch& batch) noexcept {
-  load<DoublePositions>(view, first, last, scale, batch);
-}
-
-TET_VECTOR_CLONES
-void load_scaled(const MeshView& view,
-                 std::uint64_t first,
-                 std::uint64_t last,
-                 const EdgeScale& scale,
-                 TetBatch& batch) noexcept {
-  if (view.coordinate_type == CoordinateType::kFloat32) {
-    load<Scaled<FloatPositions>>(view, first, last, scale, batch);
-  } else {
-    load<Scaled<DoublePositions>>(view, first, last, scale, batch);
-  }
-}
-
-}  // namespace
-
 void load_batch(const MeshView& view,
                 std::uint64_t first,
                 std::size_t count,
                 const EdgeScale& scale,
                 TetBatch& batch) noexcept {
   const std::uint64_t last = first + count - 1;
-  if (scale.factor() != 1) {
-    load_scaled(view, first, last, scale, batch);
-  } else if (view.coordinate_type == CoordinateType::kFloat32) {
-    load_floats(view, first, last, scale, batch);
+  if (view.coordinate_type == CoordinateType::kFloat32) {
+    load_scaled<FloatPositions>(view, first, last, scale, batch);
   } else {
-    load_doubles(view, first, last, scale, batch);
+    load_scaled<DoublePositions>(view, first, last, scale, batch);
   }
 }
 
