@@ -5,8 +5,10 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <new>
+#include <sys/resource.h>
 #include <thread>
 #include <utility>
 
@@ -143,7 +145,77 @@ class IdleArenas {
   std::vector<Idle> idle_;
 };
 
+/// On Linux the calling thread's own.
+int nice_of_this_thread() { return ::getpriority(PRIO_PROCESS, 0); }
+
+/// A thread that does small things for threads of a lower priority, one at a time.
+class Deputy {
+ public:
+  static Deputy& instance() {
+    static auto* const deputy = new Deputy;  // outlives whoever posts
+    return *deputy;
+  }
+
+  void begin() {
+    const std::lock_guard lock(mutex_);
+    if (thread_.joinable()) return;
+    nice_ = nice_of_this_thread();
+    thread_ = std::jthread([this](const std::stop_token& stopping) { serve(stopping); });
+  }
+
+  /// Once nobody posts any more.
+  void end() {
+    nice_ = kNobody;
+    thread_ = {};
+  }
+
+  void call(const std::function<void()>& work) {
+    const int most = nice_;
+    if (most == kNobody || nice_of_this_thread() <= most) return work();
+    Call own{&work};
+    std::unique_lock lock(mutex_);
+    calls_.push_back(&own);
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return own.done; });
+    if (own.error) std::rethrow_exception(own.error);
+  }
+
+ private:
+  static constexpr int kNobody = std::numeric_limits<int>::max();
+
+  struct Call {
+    const std::function<void()>* work;
+    bool done = false;
+    std::exception_ptr error = nullptr;
+  };
+
+  void serve(const std::stop_token& stopping) {
+    std::unique_lock lock(mutex_);
+    while (changed_.wait(lock, stopping, [&] { return !calls_.empty(); })) {
+      Call& next = *calls_.front();
+      calls_.pop_front();
+      lock.unlock();
+      try {
+        (*next.work)();
+      } catch (...) {
+        next.error = std::current_exception();
+      }
+      lock.lock();
+      next.done = true;
+      changed_.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<Call*> calls_;
+  std::atomic<int> nice_{kNobody};  // what callers have at most that need no deputy
+  std::jthread thread_;
+};
+
 }  // namespace
+
+void keep_priority_of_pools() { Deputy::instance().begin(); }
 
 struct TaskPool::Impl {
   explicit Impl(int wanted) : threads(std::min(wanted, kMaxThreads)) {
@@ -175,13 +247,14 @@ void TaskPool::post(std::function<void()> work) {
     const std::lock_guard lock(impl_->mutex);
     ++impl_->posted;
   }
-  impl_->arena->enqueue(
-      [impl = impl_.get(), owned = std::make_shared<std::function<void()>>(std::move(work))] {
-        contain("a posted task", *owned);  // oneTBB would drop it, and what is below with it
-        *owned = nullptr;  // what it holds is released before the destructor may go on
-        const std::lock_guard lock(impl->mutex);
-        if (--impl->posted == 0) impl->idle.notify_all();
-      });
+  const auto run = [impl = impl_.get(),
+                    owned = std::make_shared<std::function<void()>>(std::move(work))] {
+    contain("a posted task", *owned);  // oneTBB would drop it, and what is below with it
+    *owned = nullptr;  // what it holds is released before the destructor may go on
+    const std::lock_guard lock(impl->mutex);
+    if (--impl->posted == 0) impl->idle.notify_all();
+  };
+  Deputy::instance().call([&] { impl_->arena->enqueue(run); });
 }
 
 struct WorkerThreads::Impl {
@@ -190,6 +263,7 @@ struct WorkerThreads::Impl {
 
 WorkerThreads::WorkerThreads() : impl_(std::make_unique<Impl>()) {}
 WorkerThreads::~WorkerThreads() {
+  Deputy::instance().end();
   IdleArenas::instance().clear();
   tbb::finalize(impl_->scheduler, std::nothrow);
 }
@@ -270,7 +344,8 @@ struct WorkerThreads::Impl {};  // pools and loops wait for theirs
 WorkerThreads::WorkerThreads() = default;
 WorkerThreads::~WorkerThreads() = default;
 
-void stay_in_one_thread() {}  // only pools make threads
+void stay_in_one_thread() {}      // only pools make threads
+void keep_priority_of_pools() {}  // whoever makes a pool makes its threads
 
 namespace internal {
 

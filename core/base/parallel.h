@@ -55,6 +55,12 @@ class WorkerThreads {
 /// programs that are one thread by design, before they have a TaskPool; cannot be undone.
 void stay_in_one_thread();
 
+/// For whoever makes threads that give way to others and post to pools, before it does. The
+/// pools' threads are made when there is work for them, have the priority of whoever posts it,
+/// and serve everybody for as long as the process lives; so from now on a thread of a lower
+/// priority than the first caller's posts by one of that caller's.
+void keep_priority_of_pools();
+
 namespace internal {
 using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body);

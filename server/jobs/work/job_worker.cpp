@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 
+#include "core/base/parallel.h"
 #include "core/plan/mesh_request.h"
 #include "proto/convert/status.h"
 #include "server/jobs/results/needed_meshes.h"
@@ -74,6 +75,7 @@ JobWorker::JobWorker(JobStore& jobs,
       results_(results),
       settings_(std::move(settings)) {
   if (settings_.threads == 0) return;
+  keep_priority_of_pools();  // shards have plans made on the pools that serve streams
   threads_.emplace_back([this](const std::stop_token& stopping) { claim_shards(stopping); });
   threads_.emplace_back([this](const std::stop_token& stopping) { beat(stopping); });
   for (int i = 0; i < settings_.threads + 1; ++i) {

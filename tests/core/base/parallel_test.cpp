@@ -10,6 +10,7 @@
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <sys/resource.h>
 #include <thread>
 #include <vector>
 
@@ -152,6 +153,35 @@ TEST(TaskPool, RunsAsManyPostedTasksAtOnceAsItHasThreads) {
 TEST(OffsetsFromCounts, EndsWithTheTotal) {
   const auto offsets = offsets_from_counts(4, [](std::size_t i) { return i * i; });
   EXPECT_EQ(offsets, (std::vector<std::uint64_t>{0, 0, 1, 5, 14}));
+}
+
+/// The priorities of the threads that run what a thread of the lowest priority posts, all of
+/// them at once.
+std::set<int> priorities_of_posted(int threads) {
+  std::set<int> priorities;
+  std::latch all(threads);
+  std::mutex mutex;
+  {
+    TaskPool pool(threads);
+    const std::jthread polite([&] {
+      ::setpriority(PRIO_PROCESS, 0, 19);
+      for (int i = 0; i < threads; ++i) {
+        pool.post([&] {
+          all.arrive_and_wait();
+          const std::lock_guard lock(mutex);
+          priorities.insert(::getpriority(PRIO_PROCESS, 0));
+        });
+      }
+    });
+  }  // where the pool waits for all of it
+  return priorities;
+}
+
+// oneTBB makes its threads where work is posted, and they serve everybody from then on. More
+// than the tests before have made.
+TEST(Parallel, ThreadsOfPoolsHaveNotThePriorityOfWhoeverPosts) {
+  keep_priority_of_pools();
+  EXPECT_EQ(priorities_of_posted(64), std::set<int>{::getpriority(PRIO_PROCESS, 0)});
 }
 
 }  // namespace
