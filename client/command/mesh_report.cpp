@@ -122,7 +122,9 @@ std::string tets_of_each_side(const MadeMesh& made) {
   if (!mesh.header.has_regions) return "";
   const std::uint64_t inside =
       made.is_written ? made.tets_inside : count_tets(mesh, MeshRegion::kInside);
-  return absl::StrFormat(" (%d inside, %d outside)", inside, mesh.header.tet_count - inside);
+  const bool one_side = inside == 0 || inside == mesh.header.tet_count;
+  return absl::StrFormat(" (%d inside, %d outside%s)", inside, mesh.header.tet_count - inside,
+                         one_side ? ": the surface does not reach into the box" : "");
 }
 
 /// Reports on one part as if there were no other tets.

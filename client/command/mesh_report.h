@@ -10,9 +10,9 @@
 namespace tet {
 
 /// "out.vtu: 1234 vertices, 5678 tets, dihedral angles 11.4 to 154.2 degrees, 0.5 s"; with the
-/// tets of each side where both are meshed, or of each grid of several, the nodes restored for
-/// a manifold if there are any, and the faces of each region that the request names. No angles
-/// where none were measured.
+/// tets of each side where both are meshed (and, where one has none, why), or of each grid of
+/// several, the nodes restored for a manifold if there are any, and the faces of each region
+/// that the request names. No angles where none were measured.
 std::string summary_line(const std::string& output, const MadeMesh& made, double seconds);
 
 /// What to tell of walls that the lattice cannot resolve, in one line; empty without any.

@@ -157,7 +157,7 @@ void add_levels(Octree& tree,
     // Where all of a domain is covered and nothing is finest, leaves begin at the level at
     // which cells reach beyond it.
     const bool any = any_leaf(made);
-    has_largest = !any && (any_finer || is_inside);
+    has_largest = !any && (any_finer || !cover.domain);
     if (has_largest) break;
     any_finer = any;
     tree.levels.push_back(std::move(made));

@@ -27,6 +27,12 @@ bool has_values_inside(const PhiField& field, double iso) {
   return below ? double{min} < iso : double{max} > iso;
 }
 
+bool has_values_outside(const PhiField& field, double iso) {
+  const auto [min, max] = value_range(*field.volume);
+  const bool below = inside_side(*field.volume, field.inside) == InsideSide::kBelow;
+  return below ? double{max} >= iso : double{min} <= iso;
+}
+
 /// What to change where no node is inside.
 std::string remedy_of(const PreparedMesh& prepared) {
   const PhiField& field = prepared.field;
@@ -48,11 +54,6 @@ std::string remedy_of(const PreparedMesh& prepared) {
 /// Why there is no mesh, though what is meshed and the request are fine.
 absl::Status nothing_to_mesh(const PreparedMesh& prepared, const ThinWalls& thin) {
   const CanonicalRequest& asked = prepared.asked;
-  if (stuffing_rules(asked.preset).both_sides) {
-    return absl::FailedPreconditionError(absl::StrFormat(
-        "the surface at iso %g does not reach into the box, so there is nothing to mesh",
-        asked.iso));
-  }
   if (!thin.any()) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "nothing%s is inside at iso %g, so there is nothing to mesh%s",
@@ -79,6 +80,15 @@ absl::Status check_anything_inside(const PhiField& field, double iso) {
   if (min.x <= max.x) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrFormat(
       "nothing is inside at iso %g, so there is nothing to mesh%s", iso, values_of(field)));
+}
+
+absl::Status check_any_surface(const PhiField& field, double iso) {
+  if (field.volume == nullptr) return absl::OkStatus();
+  const bool inside = has_values_inside(field, iso);
+  if (inside && has_values_outside(field, iso)) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrFormat("%s is inside at iso %g, so there are no two sides to mesh%s",
+                      inside ? "all" : "nothing", iso, values_of(field)));
 }
 
 absl::Status check_not_empty(const MeshHeader& header,

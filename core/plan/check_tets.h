@@ -14,6 +14,10 @@ namespace tet {
 /// has the range of its values.
 absl::Status check_anything_inside(const PhiField& field, double iso);
 
+/// OK or kFailedPrecondition: a grid has no surface, in a box or out of it, so both sides of it
+/// cannot be meshed. The message has the range of its values. OK of any scene.
+absl::Status check_any_surface(const PhiField& field, double iso);
+
 /// OK or kFailedPrecondition: there is nothing to mesh. The message says why, as far as the
 /// walls that were found too thin tell it.
 absl::Status check_not_empty(const MeshHeader& header,

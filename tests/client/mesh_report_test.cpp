@@ -145,6 +145,19 @@ TEST(MeshReport, SumsUpBothSidesAndWhatWasRestoredInOneLine) {
       "degrees, 1 node restored, 0.25 s");
 }
 
+TEST(MeshReport, SaysInOneLineThatAllTetsLieOnOneSide) {
+  MadeMesh made = made_both_sides();
+  made.is_written = true;  // and counted while it was
+  made.tets_inside = 0;
+  EXPECT_THAT(
+      summary_line("cube.vtu", made, 0.25),
+      HasSubstr("6 tets (0 inside, 6 outside: the surface does not reach into the box), "));
+  made.tets_inside = 6;
+  EXPECT_THAT(
+      summary_line("cube.vtu", made, 0.25),
+      HasSubstr("6 tets (6 inside, 0 outside: the surface does not reach into the box), "));
+}
+
 TEST(ExitCode, TellsWhoIsToBlame) {
   EXPECT_EQ(exit_code_of(absl::StatusCode::kOk), ExitCode::kDone);
   EXPECT_EQ(exit_code_of(absl::StatusCode::kNotFound), ExitCode::kRefused);

@@ -165,6 +165,11 @@ absl::StatusOr<std::shared_ptr<const LatticePlan>> plan_bricks(
                    cancellation);
   if (auto status = check_cancelled(cancellation); !status.ok()) return status;
 
+  // A box that the surface does not reach into lies on one side whole, and is meshed.
+  if (mesh.rules().both_sides && mesh.survey().bricks.empty()) {
+    auto status = check_any_surface(prepared.field, prepared.asked.iso);
+    if (!status.ok()) return status;
+  }
   MeshHeader header = header_of(mesh, job.request);
   if (auto status = check_tets(header, prepared, surveyed.thin_walls, job.limits);
       !status.ok()) {

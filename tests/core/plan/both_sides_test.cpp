@@ -10,6 +10,7 @@
 
 #include "core/mesh/boundary.h"
 #include "core/mesh/quality.h"
+#include "core/mesh/regions.h"
 #include "core/plan/make/mesher.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/conformity.h"
@@ -147,6 +148,30 @@ TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
         EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
         EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
       }
+    }
+  }
+}
+
+TEST(BothSides, MeshABoxThatTheSurfaceDoesNotReachWithAnyNumberOfLevels) {
+  // Numbers of bricks of which only the smallest leaves, or several sizes, fill a box.
+  const std::vector<WorldBox> boxes{{{96, 96, 96}, {128, 128, 128}},
+                                    {{96, -8, 40}, {104, 80, 136}},
+                                    {{-8, -16, -8}, {8, 8, 16}}};
+  const Volume ball = test::ball(60);
+  for (const WorldBox& box : boxes) {
+    const bool inside = box.min.x < 0;
+    for (const int levels : {0, 1, 2, 3, kMaxLevels}) {
+      SCOPED_TRACE(std::to_string(box.min.y) + ", levels " + std::to_string(levels));
+      MeshRequest request = both_sides(levels);
+      request.box = box;
+      const MeshResult result = mesh(ball, request);
+      const ConformityReport report = check_conformity(result.mesh);
+      EXPECT_TRUE(report.conforming()) << report.describe();
+      EXPECT_NEAR(result.quality.volume, volume_of(box), 1e-6 * volume_of(box));
+      EXPECT_GT(result.quality.min_dihedral_deg, kBounds.min_deg);
+      EXPECT_LT(result.quality.max_dihedral_deg, kBounds.max_deg);
+      const MeshRegion side = inside ? MeshRegion::kInside : MeshRegion::kOutside;
+      EXPECT_EQ(count_tets(result.mesh, side), result.mesh.header.tet_count);
     }
   }
 }

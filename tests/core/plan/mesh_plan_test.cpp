@@ -208,14 +208,19 @@ TEST(MeshPlan, MeshesABoxOfAnySizeOrRefusesItAtOnce) {
   EXPECT_THAT(std::string(refused.status().message()), HasSubstr("Use more levels"));
 }
 
-TEST(MeshPlan, SaysThatABoxHoldsNothingOfTheSurface) {
-  MeshRequest request;
-  request.preset = Preset::kBothSides;
-  request.box = {{100, 100, 100}, {120, 120, 120}};
-  const auto refused = plan(test::ball(9), request);
-  EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(refused.status().message()),
-              HasSubstr("does not reach into the box"));
+TEST(MeshPlan, SaysOfAGridWithoutASurfaceThatThereAreNoTwoSides) {
+  for (const int levels : {0, 1, kMaxLevels}) {
+    MeshRequest request;
+    request.preset = Preset::kBothSides;
+    request.levels = levels;
+    request.box = {{-20, -20, -20}, {20, 20, 20}};
+    request.iso = -7;
+    const auto refused = plan(test::ball(9), request);
+    EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_THAT(std::string(refused.status().message()),
+                HasSubstr("nothing is inside at iso -7, so there are no two sides to mesh: the "
+                          "grid's values are from "));
+  }
 }
 
 TEST(MeshPlan, RefusesWhatItCannotMeshAndSaysWhy) {
