@@ -19,9 +19,11 @@ absl::StatusOr<MemoryCharge> charge_file(
     const OpenGridFile& file,
     const std::function<MemoryCharge(const VdbOutline&)>& charge_of,
     std::uint64_t max_volume_bytes,
-    std::uint64_t max_reading_bytes) {
+    std::uint64_t max_reading_bytes,
+    const std::function<bool()>& cancelled) {
   const ByteSource source(file.descriptor, static_cast<std::uint64_t>(file.size_bytes));
-  const absl::StatusOr<VdbOutline> outline = walk_vdb(source);
+  const absl::StatusOr<VdbOutline> outline = walk_vdb(source, {.cancelled = cancelled});
+  if (absl::IsCancelled(outline.status())) return outline.status();
   if (!outline.ok()) {
     const bool bad = absl::IsInvalidArgument(outline.status());
     return told_of(file, bad ? " is not a readable VDB file" : "", outline.status());

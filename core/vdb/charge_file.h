@@ -19,12 +19,13 @@ struct OpenGridFile {
   std::string name;
 };
 
-/// Walks over all of the file and gives `charge_of` what it holds.
-/// Errors: those of walk_vdb and check_memory, told of the file.
+/// Walks over all of the file, unless it is `cancelled` meanwhile, and gives `charge_of` what
+/// it holds. Errors: those of walk_vdb and check_memory, told of the file.
 absl::StatusOr<MemoryCharge> charge_file(
     const OpenGridFile& file,
     const std::function<MemoryCharge(const VdbOutline&)>& charge_of,
     std::uint64_t max_volume_bytes,
-    std::uint64_t max_reading_bytes);
+    std::uint64_t max_reading_bytes,
+    const std::function<bool()>& cancelled = nullptr);
 
 }  // namespace tet

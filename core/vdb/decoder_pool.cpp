@@ -38,7 +38,7 @@ absl::StatusOr<SealedBlock> decode_request(const FileRequest& request,
                                            std::chrono::milliseconds max_time,
                                            TakeDecoder take,
                                            const std::function<bool()>& cancelled) {
-  const absl::StatusOr<CheckedFile> checked = check_request(request, max_time);
+  const absl::StatusOr<CheckedFile> checked = check_request(request, max_time, cancelled);
   if (!checked.ok()) return checked.status();
   absl::StatusOr<SealedBlock> block = absl::UnknownError("not decoded");
   for (int i = 0; i < kAttempts; ++i) {

@@ -49,6 +49,7 @@ GridUse use_of(DecodeTask task) {
 /// What the file takes, if that is not too much; and whether it takes OpenVDB.
 absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request,
                                        const OpenGridFile& file,
+                                       const std::function<bool()>& cancelled,
                                        bool& needs_openvdb) {
   if (holds_image(file)) {
     needs_openvdb = false;
@@ -63,14 +64,15 @@ absl::StatusOr<MemoryCharge> charge_of(const FileRequest& request,
       needs_openvdb = !are_plain_grids(outline);
       return listing_charge(outline);
     };
-    return charge_file(file, charge, request.max_bytes, request.max_bytes);
+    return charge_file(file, charge, request.max_bytes, request.max_bytes, cancelled);
   }
   const auto charge = [&](const VdbOutline& outline) {
     needs_openvdb =
         !find_plain_grid(outline, request.grid_name, use_of(request.task), request.component);
     return loading_charge(outline, request.grid_name, use_of(request.task));
   };
-  return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes);
+  return charge_file(file, charge, request.max_bytes, kReadingFactor * request.max_bytes,
+                     cancelled);
 }
 
 /// Returns how long a processor may work on the file.
@@ -92,7 +94,8 @@ DecodeLimits limits_of(const MemoryCharge& charge, std::chrono::milliseconds tim
 }  // namespace
 
 absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
-                                          std::chrono::milliseconds max_time) {
+                                          std::chrono::milliseconds max_time,
+                                          const std::function<bool()>& cancelled) {
   if (absl::Status s = check_file(request.path); !s.ok()) {
     return absl::Status(s.code(), absl::StrFormat("'%s' cannot be read", request.file_name));
   }
@@ -112,7 +115,8 @@ absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
   const auto file_bytes = static_cast<std::int64_t>(*size);
   const OpenGridFile file{checked.file.number(), file_bytes, request.file_name};
   bool needs_openvdb = true;
-  const absl::StatusOr<MemoryCharge> charge = charge_of(request, file, needs_openvdb);
+  const absl::StatusOr<MemoryCharge> charge =
+      charge_of(request, file, cancelled, needs_openvdb);
   if (!charge.ok()) return charge.status();
   std::chrono::milliseconds time = time_for(file_bytes, *charge);
   if (holds_triangles(file)) time += kConvertingTime;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include <absl/status/statusor.h>
@@ -29,9 +30,10 @@ struct CheckedFile {
 };
 
 /// Opens the file, walks over all of it without OpenVDB, and works out what reading it may
-/// take: never more than `max_time`. Errors: those of check_file and charge_file; kNotFound (a
-/// name that no grid can have).
+/// take: never more than `max_time`. Errors: those of check_file and charge_file, kCancelled
+/// where `cancelled` says so among them; kNotFound (a name that no grid can have).
 absl::StatusOr<CheckedFile> check_request(const FileRequest& request,
-                                          std::chrono::milliseconds max_time);
+                                          std::chrono::milliseconds max_time,
+                                          const std::function<bool()>& cancelled = nullptr);
 
 }  // namespace tet

@@ -7,8 +7,8 @@
 
 namespace tet {
 
-/// Ends with the parent, leaves no core dump, cannot be looked into, and gains no rights. For
-/// the beginning of the program.
+/// Ends with the parent, leaves no core dump, cannot be looked into, gains no rights, and is
+/// the first to be ended where memory is short. For the beginning of the program.
 absl::Status enter_custody();
 
 /// From here on the process has the memory and the time of `limits`, no more files or

@@ -27,6 +27,7 @@ void VdbCursor::check_left(std::uint64_t bytes, const char* what) const {
 void VdbCursor::refill(std::size_t bytes, const char* what) {
   TET_CHECK(bytes <= kMostBytes);
   check_left(bytes, what);
+  if (cancelled_ && cancelled_()) throw WalkRefusal(absl::CancelledError("cancelled"));
   begin_ = position();
   used_ = 0;
   window_ = source_.window(begin_, kWindowBytes, buffer_);

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/base/posix/byte_source.h"
@@ -21,7 +23,8 @@ struct VdbField {
   const char* what = "";  ///< a literal
 };
 
-/// A place in a file, moving forward. Throws WalkRefusal rather than go past the end.
+/// A place in a file, moving forward. Throws WalkRefusal rather than go past the end, or go on
+/// when `cancelled`, if there is one, says so: it is asked whenever bytes are read.
 ///
 /// `what` names a field in refusals, and in `fields` when that is given (for mutators).
 class VdbCursor {
@@ -29,8 +32,13 @@ class VdbCursor {
   /// The most bytes that `take` gives at once: the two masks of an upper node fit.
   static constexpr std::size_t kMostBytes = 8192;
 
-  explicit VdbCursor(const ByteSource& source, std::vector<VdbField>* fields = nullptr)
-      : source_(source), fields_(fields) {}
+  explicit VdbCursor(const ByteSource& source,
+                     std::vector<VdbField>* fields = nullptr,
+                     std::function<bool()> cancelled = nullptr)
+      : source_(source), fields_(fields), cancelled_(std::move(cancelled)) {}
+
+  /// Another place in the same file, at its beginning, whose fields are not noted.
+  VdbCursor beside() const { return VdbCursor(source_, nullptr, cancelled_); }
 
   std::uint64_t position() const noexcept { return begin_ + used_; }
   std::uint64_t left() const noexcept { return source_.size() - position(); }
@@ -67,6 +75,7 @@ class VdbCursor {
 
   ByteSource source_;
   std::vector<VdbField>* fields_;
+  std::function<bool()> cancelled_;
   std::vector<std::byte> buffer_;
   std::span<const std::byte> window_;
   std::uint64_t begin_ = 0;  // of the window, in the file

@@ -133,7 +133,6 @@ void skip_unknown_tree(VdbCursor& cursor, GridDescriptor& descriptor, bool has_o
 }
 
 void walk_known_tree(VdbCursor& cursor,
-                     const ByteSource& source,
                      GridDescriptor& descriptor,
                      const TreeType& type,
                      bool has_offsets) {
@@ -152,7 +151,7 @@ void walk_known_tree(VdbCursor& cursor,
     grid.depth = WalkDepth::kTopology;
     return skip_to_end(cursor, descriptor.extent);
   }
-  walk_leaves(cursor, source, format, topology.runs);
+  walk_leaves(cursor, format, topology.runs);
 }
 
 /// The grid whose tree this one shares.
@@ -169,10 +168,7 @@ const GridOutline& find_parent(const GridDescriptor& descriptor, const VdbOutlin
                                            quoted_name(descriptor.parent)));
 }
 
-void walk_tree(VdbCursor& cursor,
-               const ByteSource& source,
-               GridDescriptor& descriptor,
-               const VdbOutline& outline) {
+void walk_tree(VdbCursor& cursor, GridDescriptor& descriptor, const VdbOutline& outline) {
   if (descriptor.grid.instance) {
     const GridOutline& parent = find_parent(descriptor, outline);
     descriptor.grid.depth = parent.depth;
@@ -184,7 +180,7 @@ void walk_tree(VdbCursor& cursor,
   }
   const TreeType* type = find_tree_type(descriptor.grid.tree_type);
   if (type == nullptr) return skip_unknown_tree(cursor, descriptor, outline.has_offsets);
-  walk_known_tree(cursor, source, descriptor, *type, outline.has_offsets);
+  walk_known_tree(cursor, descriptor, *type, outline.has_offsets);
 }
 
 /// The reader sizes two tables by this number.
@@ -198,10 +194,7 @@ void check_delayed_leaves(const GridDescriptor& descriptor, const WalkedMetadata
 
 }  // namespace
 
-GridOutline walk_grid(VdbCursor& cursor,
-                      const ByteSource& source,
-                      const VdbOutline& outline,
-                      const WalkLimits& limits) {
+GridOutline walk_grid(VdbCursor& cursor, const VdbOutline& outline, const WalkLimits& limits) {
   GridDescriptor descriptor = read_descriptor(cursor, limits);
   check_name(descriptor, outline);
   check_start(descriptor.extent, cursor, outline.has_offsets);
@@ -211,7 +204,7 @@ GridOutline walk_grid(VdbCursor& cursor,
   descriptor.grid.grid_class = metadata.grid_class;
   check_half_float(descriptor, metadata);
   descriptor.grid.map = walk_transform(cursor);
-  walk_tree(cursor, source, descriptor, outline);
+  walk_tree(cursor, descriptor, outline);
   check_delayed_leaves(descriptor, metadata);
   if (outline.has_offsets) {
     check_offset(descriptor.extent, "end offset", descriptor.extent.end, cursor.position());

@@ -1,7 +1,6 @@
 // One grid of a .vdb file: its descriptor, metadata, transform and tree.
 #pragma once
 
-#include "core/base/posix/byte_source.h"
 #include "core/vdb/vdb_cursor.h"
 #include "core/vdb/vdb_outline.h"
 #include "core/vdb/walk_vdb.h"
@@ -9,9 +8,6 @@
 namespace tet {
 
 /// Walks over the next grid, which may share the tree of one before it in `outline`.
-GridOutline walk_grid(VdbCursor& cursor,
-                      const ByteSource& source,
-                      const VdbOutline& outline,
-                      const WalkLimits& limits);
+GridOutline walk_grid(VdbCursor& cursor, const VdbOutline& outline, const WalkLimits& limits);
 
 }  // namespace tet

@@ -57,10 +57,9 @@ void walk_run(VdbCursor& cursor,
 }  // namespace
 
 void walk_leaves(VdbCursor& cursor,
-                 const ByteSource& source,
                  const ValueFormat& format,
                  const std::vector<LeafRun>& runs) {
-  VdbCursor masks(source);
+  VdbCursor masks = cursor.beside();
   for (const LeafRun& run : runs) walk_run(cursor, masks, format, run);
 }
 

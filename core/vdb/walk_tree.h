@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/posix/byte_source.h"
 #include "core/vdb/vdb_cursor.h"
 #include "core/vdb/vdb_outline.h"
 #include "core/vdb/walk_values.h"
@@ -32,7 +31,6 @@ Topology walk_topology(VdbCursor& cursor, const ValueFormat& format);
 
 /// Walks over the leaves' values, holding each leaf against its mask in the topology.
 void walk_leaves(VdbCursor& cursor,
-                 const ByteSource& source,
                  const ValueFormat& format,
                  const std::vector<LeafRun>& runs);
 

@@ -95,9 +95,9 @@ void name_grids(VdbOutline& outline) {
   for (std::size_t i = 0; i < names.size(); ++i) outline.grids[i].name = names[i];
 }
 
-VdbOutline walk_file(VdbCursor& cursor, const ByteSource& source, const WalkLimits& limits) {
+VdbOutline walk_file(VdbCursor& cursor, std::uint64_t file_bytes, const WalkLimits& limits) {
   VdbOutline outline;
-  outline.file_bytes = source.size();
+  outline.file_bytes = file_bytes;
   walk_header(cursor, outline);
   const std::uint64_t at = cursor.position();
   if (walk_metadata(cursor, limits.metadata).delayed_leaves.value_or(0) != 0) {
@@ -105,7 +105,7 @@ VdbOutline walk_file(VdbCursor& cursor, const ByteSource& source, const WalkLimi
   }
   const std::int32_t count = read_grid_count(cursor, limits);
   for (std::int32_t i = 0; i < count; ++i) {
-    outline.grids.push_back(walk_grid(cursor, source, outline, limits));
+    outline.grids.push_back(walk_grid(cursor, outline, limits));
   }
   name_grids(outline);
   if (cursor.left() != 0) {
@@ -121,8 +121,8 @@ absl::StatusOr<VdbOutline> walk_vdb(const ByteSource& source,
                                     const WalkLimits& limits,
                                     std::vector<VdbField>* fields) {
   try {
-    VdbCursor cursor(source, fields);
-    return walk_file(cursor, source, limits);
+    VdbCursor cursor(source, fields, limits.cancelled);
+    return walk_file(cursor, source.size(), limits);
   } catch (const WalkRefusal& refusal) {
     return refusal.status();
   }

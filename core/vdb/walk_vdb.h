@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct WalkLimits {
   std::uint32_t grids = 1024;
   std::uint32_t name_bytes = 1024;  ///< of a grid's name
   MetadataLimits metadata = {};     ///< of the file, and of each grid
+  /// Asked for every quarter of a megabyte; null never cancels. Must not throw.
+  std::function<bool()> cancelled = nullptr;
 };
 
 /// Walks over a whole file, every byte of which must belong to something: a file that is cut,
@@ -31,9 +34,9 @@ struct WalkLimits {
 /// What the file claims never decides how much is allocated: memory stays below a sixteenth of
 /// its size and a few hundred kilobytes, whatever is in it. Takes about as long as reading the
 /// file from the page cache. Errors: kInvalidArgument (says what, and at which byte),
-/// kResourceExhausted (over `limits`), kNotFound, kPermissionDenied. At most 300 characters; of
-/// the file's own bytes only names, escaped and cut. A path is given only where the file cannot
-/// be opened.
+/// kResourceExhausted (over `limits`), kNotFound, kPermissionDenied, kCancelled. At most 300
+/// characters; of the file's own bytes only names, escaped and cut. A path is given only where
+/// the file cannot be opened.
 absl::StatusOr<VdbOutline> walk_vdb(const std::string& path, const WalkLimits& limits = {});
 
 /// Walks over bytes that may be anywhere. With `fields`, it lists all that was looked at, in

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
+#include <fstream>
 #include <future>
+#include <string>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
@@ -169,6 +171,30 @@ TEST_F(DecoderTest, IsKilledAtOnceWhenNobodyWantsItsResult) {
   cancelled = true;
   EXPECT_TRUE(absl::IsCancelled(decoding.get()));
   EXPECT_LE(told, 2) << "who was told so does not ask again and again";
+}
+
+TEST_F(DecoderTest, IsNotAskedForAFileThatIsWalkedOverForNobody) {
+  DecoderSettings settings;
+  settings.program = directory_.file("no program");  // nobody gets as far as to miss it
+  int asked = 0;
+  const absl::Status status =
+      decode_once(request(), settings, [&] { return ++asked > 0; }).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
+  EXPECT_EQ(asked, 1);
+}
+
+TEST_F(DecoderTest, IsEndedBeforeAnyOtherWhereMemoryIsShort) {
+  absl::StatusOr<Decoder> decoder = Decoder::start({});
+  ASSERT_TRUE(decoder.ok()) << decoder.status();
+  ASSERT_EQ(decoder->wait_until_ready(nullptr), absl::OkStatus());
+  absl::StatusOr<Decoder> copy = decoder->copy(nullptr);
+  ASSERT_TRUE(copy.ok()) << copy.status();
+  ASSERT_EQ(copy->wait_until_ready(nullptr), absl::OkStatus());
+  for (const pid_t pid : {decoder->pid(), copy->pid()}) {
+    int told = 0;
+    std::ifstream("/proc/" + std::to_string(pid) + "/oom_score_adj") >> told;
+    EXPECT_EQ(told, 1000);
+  }
 }
 
 TEST_F(DecoderTest, CopiesItselfForOneFileAfterAnother) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <span>
 #include <type_traits>
 
@@ -193,6 +194,22 @@ TEST_F(WalkVdb, TellsAFileAsItTellsMemory) {
   for (const std::size_t part : {1, 3, 5, 7}) {
     test::write_bytes(path_, bytes.substr(0, bytes.size() * part / 8));
     EXPECT_EQ(walk_vdb(path_).status().code(), absl::StatusCode::kInvalidArgument) << part;
+  }
+}
+
+TEST_F(WalkVdb, EndsWhereverItIsCancelled) {
+  test::write_bytes(path_, test::vdb_bytes({ball(60)}, {openvdb::io::COMPRESS_NONE}));
+  int asked = 0, last = std::numeric_limits<int>::max();
+  const auto walk = [&] {
+    asked = 0;
+    return walk_vdb(path_, {.cancelled = [&] { return ++asked >= last; }}).status();
+  };
+  ASSERT_EQ(walk(), absl::OkStatus());
+  const int all = asked;
+  ASSERT_GT(all, 10) << "several windows";
+  for (last = 1; last <= all; ++last) {
+    EXPECT_EQ(walk().code(), absl::StatusCode::kCancelled) << last;
+    EXPECT_EQ(asked, last);
   }
 }
 
