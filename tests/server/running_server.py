@@ -22,7 +22,7 @@ def binaries():
     return pathlib.Path(os.environ["TETSTREAM_BIN"])
 
 
-# Nobody waits for a balancer of load, and no call is cut off because the machine is slow: half of GENEROUS_END.
+# Nobody waits for a balancer of load, and no call is cut off because the machine is slow.
 UNHURRIED = {"TETSTREAM_LAME_DUCK_SECONDS": "0", "TETSTREAM_DRAIN_SECONDS": "150"}
 
 

@@ -7,8 +7,10 @@
 namespace tet::test {
 
 /// How long a test waits for what has to come. It is no claim about speed: it only ends tests
-/// that would wait for ever, and must be long enough for a machine that compiles beside them.
-constexpr std::chrono::minutes kGenerousEnd{5};
+/// that would wait for ever, and must be long enough for a machine that compiles beside them:
+/// of two dozen busy processes a server's jobs, which give way to all others, get a
+/// four-hundredth.
+constexpr std::chrono::minutes kGenerousEnd{10};
 
 /// Whether `condition` comes to hold. Give it an event that is bound to come, never a sleep.
 template <class Condition>
