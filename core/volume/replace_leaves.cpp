@@ -17,6 +17,9 @@ namespace tet {
 namespace {
 
 constexpr std::int32_t kRegionBricks = Region::kEdgeBricks;
+/// A megabyte of values.
+constexpr std::size_t kBricksBetweenLooks = 512;
+constexpr std::size_t kRegionsBetweenLooks = 64;
 
 absl::Status check_leaves(const std::vector<LeafValues>& leaves) {
   for (std::size_t i = 0; i < leaves.size(); ++i) {
@@ -52,12 +55,15 @@ std::vector<BrickCoord> cubes_around(const std::vector<LeafValues>& leaves, std:
   return cubes;
 }
 
-/// A volume's parts, less what leaves (sorted) replace.
+/// A volume's parts, less what leaves (sorted) replace. If cancelled, they are not whole.
 class Remainder {
  public:
-  Remainder(const Volume& volume, const std::vector<LeafValues>& leaves)
+  Remainder(const Volume& volume,
+            const std::vector<LeafValues>& leaves,
+            const Cancellation& cancellation)
       : volume_(volume),
         leaves_(leaves),
+        cancellation_(cancellation),
         small_cubes_(cubes_around(leaves, kRegionVoxels)),
         large_cubes_(cubes_around(leaves, kLargestCube)) {}
 
@@ -75,6 +81,7 @@ class Remainder {
       }
     };
     for (std::size_t i = 0; i < volume_.bricks.size(); ++i) {
+      if (i % kBricksBetweenLooks == 0 && cancellation_.requested()) return;
       add_leaves_before(&volume_.bricks[i]);
       if (leaf != leaves_.end() && leaf->brick == volume_.bricks[i]) continue;
       append(merged, volume_.bricks[i],
@@ -87,7 +94,10 @@ class Remainder {
     for (const LeafValues& leaf : leaves_) {
       if (leaf.values.size() == 1) constants_.push_back({leaf.brick, leaf.values.front()});
     }
-    for (const Region& region : volume_.regions) add_constants(region);
+    for (std::size_t i = 0; i < volume_.regions.size(); ++i) {
+      if (i % kRegionsBetweenLooks == 0 && cancellation_.requested()) break;
+      add_constants(volume_.regions[i]);
+    }
     return std::move(constants_);
   }
 
@@ -148,6 +158,7 @@ class Remainder {
 
   const Volume& volume_;
   const std::vector<LeafValues>& leaves_;
+  const Cancellation& cancellation_;
   const std::vector<BrickCoord> small_cubes_, large_cubes_;  ///< with a leaf in them
   std::vector<ConstantBrick> constants_;
   std::vector<ConstantCube> cubes_;
@@ -181,7 +192,9 @@ std::uint64_t most_bytes_with(const Volume& volume, std::span<const LeafValues> 
   return bytes + 2 * listed * kBricksOfRegion * sizeof(ConstantBrick);
 }
 
-absl::StatusOr<Volume> replace_leaves(const Volume& volume, std::vector<LeafValues> leaves) {
+absl::StatusOr<Volume> replace_leaves(const Volume& volume,
+                                      std::vector<LeafValues> leaves,
+                                      const Cancellation& cancellation) {
   std::ranges::sort(leaves, {}, &LeafValues::brick);
   if (auto status = check_leaves(leaves); !status.ok()) return status;
   Volume merged;
@@ -190,10 +203,12 @@ absl::StatusOr<Volume> replace_leaves(const Volume& volume, std::vector<LeafValu
   merged.kind_source = volume.kind_source;
   merged.transform = volume.transform;
   merged.background = volume.background;
-  Remainder rest(volume, leaves);
+  Remainder rest(volume, leaves, cancellation);
   rest.merge_bricks(merged);
   merged.cubes = rest.cubes();  // what becomes bricks is among the constants
-  return index_volume(std::move(merged), rest.constants());
+  std::vector<ConstantBrick> constants = rest.constants();
+  if (auto status = check_cancelled(cancellation); !status.ok()) return status;
+  return index_volume(std::move(merged), std::move(constants), cancellation);
 }
 
 }  // namespace tet

@@ -7,6 +7,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "core/base/cancel.h"
 #include "core/base/types.h"
 #include "core/volume/volume.h"
 
@@ -23,7 +24,9 @@ std::uint64_t most_bytes_with(const Volume& volume, std::span<const LeafValues> 
 
 /// The volume with these leaves in the place of what it had there, stored or not. Takes time in
 /// proportion to the whole volume: all that stays is copied. Errors: kInvalidArgument (a leaf
-/// twice, or with another number of values), those of index_volume.
-absl::StatusOr<Volume> replace_leaves(const Volume& volume, std::vector<LeafValues> leaves);
+/// twice, or with another number of values), those of index_volume and check_cancelled.
+absl::StatusOr<Volume> replace_leaves(const Volume& volume,
+                                      std::vector<LeafValues> leaves,
+                                      const Cancellation& cancellation = Cancellation());
 
 }  // namespace tet

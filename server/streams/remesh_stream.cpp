@@ -201,7 +201,8 @@ absl::Status RemeshStream::replace() {
   auto charge = no_charge();
   const absl::Status charged = charge->add(most_bytes_with(before, incoming_->leaves()));
   if (!charged.ok()) return charged;
-  auto changed = replace_leaves(before, incoming_->leaves());
+  auto changed = replace_leaves(before, incoming_->leaves(), watch_->cancellation);
+  if (!absl::IsInvalidArgument(changed.status()) && !changed.ok()) return changed.status();
   if (!changed.ok()) {
     return invalid_field(absl::StrCat("leaves: ", changed.status().message()));
   }

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/parallel.h"
 #include "core/volume/volume_builder.h"
 #include "core/volume/volume_reader.h"
 #include "tests/support/solids.h"
@@ -87,6 +88,27 @@ TEST(ReplaceLeaves, TakesMemoryThatIsKnownBefore) {
   EXPECT_GT(after->size_bytes(), 100 * sizeof(Region));
   EXPECT_LE(after->size_bytes(), most);
   EXPECT_LT(most, 2 * after->size_bytes());
+}
+
+TEST(ReplaceLeaves, EndWhereverTheyAreCancelled) {
+  const Volume ball = test::ball(60);
+  int looks = 0, last = std::numeric_limits<int>::max();
+  const auto replace = [&] {
+    looks = 0;
+    const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                    [&] { return ++looks >= last; });
+    absl::Status status;
+    TaskPool(1).run([&] {
+      status = replace_leaves(ball, {{{0, 0, 0}, kSeven}}, cancellation).status();
+    });
+    return status;
+  };
+  ASSERT_EQ(replace(), absl::OkStatus());
+  const int all = looks;
+  ASSERT_GT(all, 8) << "several among bricks, ranges and regions";
+  for (last = 1; last <= all; ++last) {
+    EXPECT_EQ(replace().code(), absl::StatusCode::kCancelled) << last;
+  }
 }
 
 TEST(ReplaceLeaves, RefusesLeavesThatAreNone) {
