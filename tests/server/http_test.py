@@ -224,6 +224,20 @@ class Uploads(HttpTest):
         status, said = self.put(self.bytes)  # stored already: the bytes need not come
         self.assertEqual((status, said.get("complete")), (200, True), said)
 
+    def test_the_last_byte_again_keeps_a_file_that_came_whole_before_a_crash(self):
+        other = self.folder / "whole.vdb"
+        subprocess.run([binaries() / "make_fixture", "sphere", "0.06", other], check=True)
+        data = other.read_bytes()
+        path, total = f"/v1/grids/{hashlib.sha256(data).hexdigest()}", len(data)
+        self.assertEqual(self.ask("PUT", path, data[:-1], {"Content-Range": f"bytes 0-{total - 2}/{total}"})[0], 200)
+        part, = self.folder.glob("store/**/*.part")
+        with part.open("ab") as file:  # as a crash between the last write and its end leaves it
+            file.write(data[-1:])
+        status, said = self.json("GET", f"{path}:upload")
+        self.assertEqual((status, int(said["committedSize"]), said.get("complete", False)), (200, total, False), said)
+        status, _, body = self.ask("PUT", path, data[-1:], {"Content-Range": f"bytes {total - 1}-{total - 1}/{total}"})
+        self.assertEqual((status, json.loads(body).get("complete")), (200, True), body)
+
     def test_curl_puts_a_file(self):
         other = self.folder / "other.vdb"
         subprocess.run([binaries() / "make_fixture", "sphere", "0.02", other], check=True)

@@ -1,12 +1,13 @@
 // What the page's worker makes of chunks, without a browser: a cube of known volume, its surface, cuts and files.
 //   PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/mesh_columns_test.mjs
 import assert from "node:assert/strict";
+import { File } from "node:buffer";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { after, before, beforeEach, describe, it, mock } from "node:test";
+import { after, afterEach, before, beforeEach, describe, it, mock } from "node:test";
 import { pathToFileURL } from "node:url";
 
 const modules = process.env.PAGE_MODULES;
@@ -24,6 +25,8 @@ before(async () => {
       export * from "../generated/tetstream/v1/meshes_pb";
       export { TetMesh } from "./tet_mesh";
       export { twinsOf } from "./twins";
+      export { upload } from "./upload";
+      export * from "../generated/tetstream/v1/grids_pb";
       export { levelOf } from "./tet_shape";
       export { FaceSet } from "./face_set";
       export { Tally } from "./tally";
@@ -469,8 +472,8 @@ describe("what the page shows to copy", () => {
     const { command, python } = twins({ host: "", port: 7447, tls: false });
     assert.equal(command, "tetstream mesh 'a scan.vdb' -o mesh.msh --grid 'it'\\''s' --spacing 0.1 --levels 2 " +
       "--preset both-sides --server farm.example:7447");
-    assert.equal(python, 'import tetstream as ts\nclient = ts.Client("farm.example:7447")\nclient.mesh("a scan.vdb", ' +
-      'grid="it\'s", spacing=0.1, levels=2, preset="both-sides").write("mesh.msh")');
+    assert.equal(python, 'import tetstream as ts\nclient = ts.Client("farm.example:7447")\nclient.mesh(' +
+      'client.upload_file("a scan.vdb", "it\'s"), spacing=0.1, levels=2, preset="both_sides").write("mesh.msh")');
     assert.match(twins({ host: "[::1]", port: 1, tls: false }).command, / --server \[::1\]:1$/);
     assert.match(twins({ address: "unix:/run/mesher", tls: false }).command, / --server unix:\/run\/mesher$/);
   });
@@ -479,5 +482,47 @@ describe("what the page shows to copy", () => {
     const { command, python } = twins({ host: "mesher", port: 7447, tls: true }, { hasToken: true });
     assert.match(command, / --server mesher:7447 --tls --token-file token$/);
     assert.match(python, /Client\("mesher:7447", tls=True, token=open\("token"\)\.read\(\)\.strip\(\)\)/);
+  });
+});
+
+describe("what is uploaded", () => {
+  const file = new File(["a volume"], "scan.vdb");
+  const put = [];
+  afterEach(() => mock.restoreAll());
+
+  /** Answers as a server that has so many bytes, and then with what is `said` of each part. */
+  function serve(status, ...said) {
+    put.length = 0;
+    mock.method(globalThis, "fetch", async (url, { headers }) => {
+      if (url.startsWith("/v1/grids/")) {
+        put.push(headers["Content-Range"]);
+        return new Response(JSON.stringify(said.shift()));
+      }
+      const message = page.toBinary(page.UploadStatusSchema, page.create(page.UploadStatusSchema, status));
+      const frame = (flag, bytes) => Buffer.concat([Buffer.from([flag, 0, 0, 0, bytes.length]), bytes]);
+      return new Response(Buffer.concat([frame(0, message), frame(0x80, Buffer.from("grpc-status:0\r\n"))]));
+    });
+  }
+  const upload = (sent = file) => page.upload(sent, () => {});
+
+  it("is what the server has not, and the last byte where it has all and keeps none yet", async () => {
+    serve({ committedSize: 3n }, { committedSize: "8", complete: true });
+    assert.match(await upload(), /^grids\/[0-9a-f]{64}$/);
+    assert.deepEqual(put, ["bytes 3-7/8"]);
+    serve({ committedSize: 8n }, { complete: true, committedSize: "8" });
+    await upload();
+    assert.deepEqual(put, ["bytes 7-7/8"]);
+    serve({ committedSize: 8n, complete: true });
+    await upload();
+    assert.deepEqual(put, []);
+  });
+
+  it("is not called stored where the server has not said so", async () => {
+    serve({ committedSize: 0n }, {});
+    await assert.rejects(upload(), /keeps 0 of 8 bytes of scan.vdb and takes no more: try again/);
+    serve({ committedSize: 0n }, { committedSize: "8" }, { committedSize: "8" });
+    await assert.rejects(upload(), /keeps 8 of 8 bytes/);
+    assert.deepEqual(put, ["bytes 0-7/8", "bytes 7-7/8"]);
+    await assert.rejects(upload(new File([], "none.vdb")), /none.vdb is empty/);
   });
 });

@@ -2,7 +2,7 @@
 //   TETSTREAM_BIN=build/release/bin PAGE_MODULES=$PWD/build/release/client/web/npm/ node tests/web/page_files_test.mjs [PART...]
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync } from "node:fs";
+import { readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { it } from "node:test";
 import { drawn, until } from "./browser_case.mjs";
@@ -19,6 +19,23 @@ part("Saves", () => {
     const command = await page.inputValue("#command");
     execFileSync("/bin/sh", ["-c", command], { cwd: held.folder, stdio: "pipe",
       env: { ...process.env, PATH: `${process.env.TETSTREAM_BIN}:${process.env.PATH}` } });
+  }
+
+  /** And the Python. */
+  async function runShownPython(page) {
+    execFileSync("/usr/bin/python3", ["-c", await page.inputValue("#python")], { cwd: held.folder, stdio: "pipe",
+      env: { ...process.env, PYTHONPATH: process.env.PAGE_PYTHON } });
+  }
+
+  /** Both write the same bytes. */
+  async function expectTwins(page, ending) {
+    await page.selectOption("#format", ending);
+    const mesh = join(held.folder, `mesh.${ending}`);
+    await runShown(page);
+    const written = readFileSync(mesh);
+    rmSync(mesh);
+    await runShownPython(page);
+    assert.ok(written.equals(readFileSync(mesh)), ending);
   }
 
   for (const both of [false, true]) {
@@ -43,9 +60,17 @@ part("Saves", () => {
       assert.equal(pairs.length, 2 * 12);
       const told = execFileSync("/usr/bin/python3", [join(here, "compare_saved.py"), ...pairs], { encoding: "utf8" });
       for (const line of told.split("\n").filter(Boolean)) console.log(`# ${line}`);
+      await expectTwins(page, "msh");
       assert.deepEqual(page.errors, []);
     });
   }
+
+  it("shows the command line and the Python of a scene, which take nothing else", async () => {
+    const page = await held.browser.open(held.server.url);
+    await page.selectOption("#scene", "a bored block");
+    await setSpacing(page, 1);
+    await expectTwins(page, "vtu");
+  });
 });
 
 part("Large", () => {

@@ -1,5 +1,7 @@
 // The command line and the Python that do what the page does.
+import { toJsonString } from "@bufbuild/protobuf";
 import { Preset, type MeshRequest } from "../generated/tetstream/v1/meshes_pb";
+import { SceneSchema } from "../generated/tetstream/v1/scene_pb";
 import { short } from "./page";
 
 /** Where gRPC's port is, as the server says it: see grpc_place.h there. */
@@ -39,20 +41,26 @@ export interface TwinSetting {
   hasToken: boolean;
 }
 
+/** What the Python meshes, as it is written there. */
+function pythonInput(input: string, grid: string, scene: string): string {
+  if (scene) return `ts.Solid.from_json(${JSON.stringify(scene)})`;
+  const file = JSON.stringify(input);
+  return grid ? `client.upload_file(${file}, ${JSON.stringify(grid)})` : file;
+}
+
 export function twinsOf(request: MeshRequest, setting: TwinSetting): { command: string; python: string } {
   const { place } = setting;
-  const input = request.scene ? "scene.json" : setting.file || "volume.vdb";
+  const scene = request.scene ? toJsonString(SceneSchema, request.scene, { useProtoFieldName: true }) : "";
+  const input = scene ? "scene.json" : setting.file || "volume.vdb";
   const output = `mesh.${setting.ending}`, spacing = short(request.spacing!);
   const flags = [`--spacing ${spacing}`, `--levels ${request.levels}`];
   const named = [`spacing=${spacing}`, `levels=${request.levels}`];
   // The command makes a volume of a surface by itself, and that has no name.
-  if (request.gridName && !/\.(stl|obj|ply)$/i.test(input)) {
-    flags.unshift(`--grid ${quoted(request.gridName)}`);
-    named.unshift(`grid=${JSON.stringify(request.gridName)}`);
-  }
+  const grid = /\.(stl|obj|ply)$/i.test(input) ? "" : request.gridName;
+  if (grid) flags.unshift(`--grid ${quoted(grid)}`);
   if (request.preset === Preset.BOTH_SIDES) {
     flags.push("--preset both-sides");
-    named.push('preset="both-sides"');
+    named.push('preset="both_sides"');
   }
   flags.push(`--server ${addressOf(place)}`);
   const how = [JSON.stringify(addressOf(place))];
@@ -65,8 +73,9 @@ export function twinsOf(request: MeshRequest, setting: TwinSetting): { command: 
     how.push('token=open("token").read().strip()');
   }
   return {
-    command: `tetstream mesh ${quoted(input)} -o ${output} ${flags.join(" ")}`,
+    command: (scene ? `echo ${quoted(scene)} > ${input}\n` : "") +
+      `tetstream mesh ${quoted(input)} -o ${output} ${flags.join(" ")}`,
     python: `import tetstream as ts\nclient = ts.Client(${how.join(", ")})\n` +
-      `client.mesh(${JSON.stringify(input)}, ${named.join(", ")}).write("${output}")`,
+      `client.mesh(${[pythonInput(input, grid, scene), ...named].join(", ")}).write("${output}")`,
   };
 }

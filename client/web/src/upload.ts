@@ -9,6 +9,7 @@ const kPiece = 8 << 20;
 
 /** The file's name on the server: `grids/{sha256}`. */
 export async function upload(file: File, tell: (text: string) => void): Promise<string> {
+  if (file.size === 0) throw new Error(`${file.name} is empty`);
   const sha256 = new Sha256();
   for (let at = 0; at < file.size; at += kPiece) {
     tell(`Reading ${file.name}: ${Math.round((100 * at) / file.size)} %`);
@@ -17,19 +18,25 @@ export async function upload(file: File, tell: (text: string) => void): Promise<
   const name = `grids/${sha256.hex()}`;
   const status = await unary("GridService/GetUploadStatus", GetUploadStatusRequestSchema,
     create(GetUploadStatusRequestSchema, { name }), UploadStatusSchema, options());
-  if (status.complete) return name;
-  for (let at = Number(status.committedSize); at < file.size;) {
+  let { complete } = status;
+  for (let at = Number(status.committedSize); !complete;) {
     tell(`Sending ${file.name}: ${Math.round((100 * at) / file.size)} %`);
-    const end = Math.min(at + kPiece, file.size);
+    // A server that ended before it could keep what had come whole keeps it when the last byte comes again.
+    const from = Math.min(at, file.size - 1), end = Math.min(from + kPiece, file.size);
     const answer = await fetch(`/v1/${name}`, {
       method: "PUT",
       headers: { ...headersOf(options(), "application/octet-stream"),
-        "Content-Range": `bytes ${at}-${end - 1}/${file.size}` },
-      body: file.slice(at, end),
+        "Content-Range": `bytes ${from}-${end - 1}/${file.size}` },
+      body: file.slice(from, end),
     });
     const said = await answer.json();
     if (!answer.ok) throw new RpcError(said.error.code, said.error.message, said.error.reason, said.error.request_id);
-    at = Number(said.committedSize);
+    complete = said.complete === true;
+    const committed = Number(said.committedSize);
+    if (!complete && !(committed > at)) {
+      throw new Error(`the server keeps ${at} of ${file.size} bytes of ${file.name} and takes no more: try again`);
+    }
+    at = committed;
   }
   return name;
 }
