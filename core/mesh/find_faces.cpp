@@ -54,20 +54,34 @@ class OuterBox {
     }
   }
 
-  /// The first of the box's faces that a triangle is nearest to.
+  /// The first of the box's faces that a triangle is nearest to, of those on whose side it
+  /// looks: a dent at an edge of the box is as near to one face as to the other, and is the
+  /// one's that can be seen from within it.
   std::size_t nearest(const Triangle& triangle) const noexcept {
-    std::array<double, kBoxFaces> distance{};
-    for (const std::uint64_t vertex : triangle) {
-      const std::array<double, 3> at = coordinates(vertex);
-      for (std::size_t face = 0; face < kBoxFaces; ++face) {
-        distance[face] += std::abs(at[face / 2] - place_[face]);
-      }
+    const std::array corners{coordinates(triangle[0]), coordinates(triangle[1]),
+                             coordinates(triangle[2])};
+    const std::array<double, 3> outwards = normal_of(corners);
+    std::array<std::pair<bool, double>, kBoxFaces> distance{};  // whether it looks elsewhere
+    for (std::size_t face = 0; face < kBoxFaces; ++face) {
+      const std::size_t axis = face / 2;
+      auto& [elsewhere, sum] = distance[face];
+      elsewhere = !(face % 2 == 0 ? outwards[axis] < 0 : outwards[axis] > 0);
+      for (const Place& at : corners) sum += std::abs(at[axis] - place_[face]);
     }
     return static_cast<std::size_t>(std::ranges::min_element(distance) - distance.begin());
   }
 
  private:
-  std::array<double, 3> coordinates(std::uint64_t i) const noexcept {
+  using Place = std::array<double, 3>;
+
+  static Place normal_of(const std::array<Place, 3>& corners) noexcept {
+    const auto& [a, b, c] = corners;
+    const Place u{b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+        v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  }
+
+  Place coordinates(std::uint64_t i) const noexcept {
     const auto [x, y, z] = mesh_.stored_position(i);
     return {x, y, z};
   }
