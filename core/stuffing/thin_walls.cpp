@@ -247,7 +247,7 @@ void find_thin_nodes(const BrickSamples& samples,
 void find_thin_edges(const BrickSamples& samples,
                      PhiSampler& sampler,
                      BrickCoord brick,
-                     ThinSpots& spots) noexcept {
+                     ThinSpots& spots) {
   const BrickMask cells = cells_with_both_signs(sampler.field(), brick);
   const auto probe = [&](NodeKind kind, int node, int direction) {
     probe_edge(samples, sampler, brick, {kind, node, direction}, spots);

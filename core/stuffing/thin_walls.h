@@ -50,6 +50,6 @@ void find_thin_nodes(const BrickSamples& samples,
 void find_thin_edges(const BrickSamples& samples,
                      PhiSampler& sampler,
                      BrickCoord brick,
-                     ThinSpots& spots) noexcept;
+                     ThinSpots& spots);
 
 }  // namespace tet
