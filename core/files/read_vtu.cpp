@@ -73,6 +73,7 @@ class VtuReader {
     DataMesh mesh;
     if (status.ok()) status = read_points(mesh);
     if (status.ok()) status = read_tets(mesh);
+    if (status.ok()) status = check_arrays();
     if (status.ok()) status = read_arrays(header_.point_data, header_.points, mesh.point_data);
     if (status.ok()) status = read_arrays(header_.cell_data, header_.cells, mesh.cell_data);
     if (!status.ok()) return status;
@@ -101,6 +102,22 @@ class VtuReader {
           absl::StrCat(path_, ": it has ", count, " ", what, "; the limit is ", kMost));
     }
     return absl::OkStatus();
+  }
+
+  /// Arrays that lie upon each other would take memory that the file's size does not bound.
+  absl::Status check_arrays() const {
+    std::uint64_t bytes = 0;
+    for (const auto& [columns, rows] : {std::pair(&header_.point_data, header_.points),
+                                        std::pair(&header_.cell_data, header_.cells)}) {
+      for (const VtuColumn& column : *columns) {
+        bytes += rows * column.components * size_of(column.type);
+      }
+    }
+    const std::uint64_t room = size_ - header_.data_start;
+    if (bytes <= room) return absl::OkStatus();
+    return wrong(path_,
+                 absl::StrCat("its arrays have ", bytes, " bytes, and it has ", room,
+                              " behind its XML: it was cut, or they lie upon each other"));
   }
 
   /// The bytes of a column, which must have so many rows.

@@ -183,6 +183,13 @@ Axes directed_axes(const NrrdFields& fields, const std::vector<std::int64_t>& si
         "overlaps, export a label map)",
         others.front()));
   }
+  const bool without = !others.empty() && *std::max_element(others.begin(), others.end()) > 1;
+  if (axes.sizes.size() < 3 && without) {
+    refuse_contents(absl::StrFormat(
+        "it has directions for %d axes, and an axis of %d without one: write one slice, or a "
+        "direction for each axis",
+        axes.sizes.size(), *std::max_element(others.begin(), others.end())));
+  }
   axes.sizes.insert(axes.sizes.end(), others.begin(), others.end());
   if (const std::string* origin = fields.find("space origin")) {
     const auto at = vector_of(*origin, "space origin");
@@ -347,7 +354,14 @@ DetachedHeader read_detached_nrrd(std::span<const std::byte> head) {
   header.skip_to_last = skip == -1;
   header.skip_bytes = skip > 0 ? static_cast<std::uint64_t>(skip) : 0;
   const bool raw = array.encoding == ImageEncoding::kRaw;
-  if (header.skip_to_last && !raw) refuse_image("its byte skip is -1, and its data are packed");
+  if (skip != 0 && !raw) {
+    // By the format these are bytes of what the file unpacks to.
+    refuse_contents(
+        absl::StrFormat("its data are packed and %d bytes of them are to be skipped ('byte "
+                        "skip'): unpack them, "
+                        "or pack them without those",
+                        skip));
+  }
   if (header.files.size() > 1 && !raw) {
     refuse_contents("its data are packed in several files: write them to one");
   }

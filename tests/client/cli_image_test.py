@@ -273,6 +273,17 @@ class ImageFormats(ImageCase):
             with self.subTest(name):
                 self.assert_same(self.write(name, header), expected)
 
+    def test_that_would_be_read_wrong_are_refused(self):
+        values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
+        whole = numpy.clip(numpy.round(values), 1, 127).astype("i2")
+        self.write("skipped.raw.gz", gzip.compress(b"12345" + whole.astype("<i2").tobytes(order="F")))
+        header = nrrd(whole, affine, data_file="skipped.raw.gz", encoding="gzip", extra=["byte skip: 5"])
+        self.assert_refused(self.write("packed.nhdr", header), "5 bytes of them are to be skipped", "unpack them")
+        planes = nrrd(whole, affine).replace(b" (0.0,0.0,1.0)", b" none")
+        self.assertIn(b" none", planes)
+        self.assert_refused(self.write("planes.nrrd", planes), "directions for 2 axes",
+                            f"an axis of {whole.shape[2]} without one")
+
     def test_reports_take_no_place_of_data_beside_a_header(self):
         values, affine = ellipsoid(numpy.diag((1.0, 1.0, 1.0)), margin=1.5)
         whole = numpy.clip(numpy.round(values), 1, 127).astype("i2")

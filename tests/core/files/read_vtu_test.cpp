@@ -163,6 +163,20 @@ TEST_F(ReadVtu, SaysWhatIsWrong) {
   EXPECT_EQ(read_vtu(folder_.file("none.vtu")).status().code(), absl::StatusCode::kNotFound);
 }
 
+TEST_F(ReadVtu, RefusesArraysThatLieUponEachOther) {
+  const std::string bytes = written();
+  const std::size_t name = bytes.find("Name=\"v\"");
+  const std::size_t begin = bytes.rfind('<', name), end = bytes.find("/>", name) + 2;
+  ASSERT_NE(end, std::string::npos + 2);
+  std::string many;
+  for (int i = 0; i < 100; ++i) {
+    std::string one = bytes.substr(begin, end - begin);
+    many += one.replace(one.find("\"v\""), 3, "\"v" + std::to_string(i) + "\"");
+  }
+  expect_refused(std::string(bytes).replace(begin, end - begin, many),
+                 "they lie upon each other");
+}
+
 /// Writes a mesh that is wrong in itself.
 TEST_F(ReadVtu, RefusesNumbersThatCannotBe) {
   const auto refuse = [&](const DataMesh& mesh, const char* why) {
