@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <utility>
 
+#include "core/base/brick_box.h"
 #include "core/base/parallel.h"
 #include "core/base/vec3.h"
 #include "core/volume/to_voxel.h"
@@ -109,10 +111,11 @@ class GridMarker::Marks {
         bounds_(of.bounds_),
         levels_(of.levels_),
         most_(of.most_),
+        cancellation_(of.cancellation_),
         of_level_(static_cast<std::size_t>(of.levels_) + 1) {}
 
-  /// True once there are too many.
-  bool full() const { return marked > most_; }
+  /// True once there are too many, or nobody wants them any more.
+  bool full() const { return marked > most_ || cancelled_; }
 
   /// Adds nothing more to marks that are full.
   void add(const Cube& cube) {
@@ -142,6 +145,7 @@ class GridMarker::Marks {
       of_level_[level].clear();
     }
     added_ = 0;
+    cancelled_ = cancellation_.requested();
   }
 
   std::vector<CellSetBuilder> cells;  ///< by level
@@ -149,16 +153,35 @@ class GridMarker::Marks {
   std::vector<SizingRegion> large;
 
  private:
+  /// Which of a brick's eight cells along an axis lie in the range.
+  static std::uint8_t cells_along(const CellRange& range,
+                                  std::size_t axis,
+                                  std::int64_t brick) {
+    const std::int64_t first =
+        std::max(range.first[axis] - kBrickEdge * brick, std::int64_t{0});
+    const std::int64_t last =
+        std::min(range.last[axis] - kBrickEdge * brick, std::int64_t{kBrickEdge - 1});
+    return static_cast<std::uint8_t>((2U << last) - (1U << first));
+  }
+
   static void add(const CellRange& range, std::map<BrickCoord, BrickMask>& marks) {
-    for (std::int64_t x = range.first[0]; x <= range.last[0]; ++x) {
-      for (std::int64_t y = range.first[1]; y <= range.last[1]; ++y) {
-        for (std::int64_t z = range.first[2]; z <= range.last[2]; ++z) {
-          const auto brick = [](std::int64_t at) { return static_cast<std::int32_t>(at >> 3); };
-          marks[{brick(x), brick(y), brick(z)}].set(
-              static_cast<int>(x & 7), static_cast<int>(y & 7), static_cast<int>(z & 7));
-        }
+    if (!(range.count() > 0)) return;
+    const auto brick = [](std::int64_t at) { return static_cast<std::int32_t>(at >> 3); };
+    const auto& [first, last] = range;
+    const BrickBox bricks{{brick(first[0]), brick(first[1]), brick(first[2])},
+                          {brick(last[0]), brick(last[1]), brick(last[2])}};
+    for_each_brick(bricks, [&](BrickCoord b) {
+      const std::uint8_t x = cells_along(range, 0, b.x), y = cells_along(range, 1, b.y),
+                         z = cells_along(range, 2, b.z);
+      std::uint64_t rows = 0;
+      for (unsigned i = 0; i < kBrickEdge; ++i) {
+        if ((y >> i & 1) != 0) rows |= std::uint64_t{z} << 8 * i;
       }
-    }
+      BrickMask& mask = marks[b];
+      for (unsigned i = 0; i < kBrickEdge; ++i) {
+        if ((x >> i & 1) != 0) mask.slice[i] |= rows;
+      }
+    });
   }
 
   const VoxelPlaces places_;
@@ -166,6 +189,8 @@ class GridMarker::Marks {
   const BrickBox bounds_;
   const int levels_;
   const double most_;
+  const Cancellation& cancellation_;
+  bool cancelled_ = false;
   double added_ = 0;  ///< since they were gathered, some more than once
   std::vector<std::map<BrickCoord, BrickMask>> of_level_;
 };

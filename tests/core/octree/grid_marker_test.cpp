@@ -1,7 +1,11 @@
 // What a grid of sizes marks, and how much of it is kept.
 #include "core/octree/grid_marker.h"
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -29,6 +33,49 @@ double marked(const Volume& grid, double most) {
 
 TEST(GridMarker, MarksEachCellThatACubeReachesInto) {
   EXPECT_EQ(marked(row_of_cubes(1), 1e9), 33 * 33 * 33);
+}
+
+TEST(GridMarker, MarksCellsOfManyBricksAsOneByOne) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<std::int32_t> place(-200, 200);
+  for (int i = 0; i < 30; ++i) {
+    const VoxelCoord min{place(random), place(random), place(random)};
+    const std::int32_t edge = 1 + i * i;
+    Volume grid;
+    grid.kind = VolumeKind::kField;
+    grid.cubes.push_back({min, edge, 2.0F});
+    const auto cells =
+        [&](std::int32_t begin) {  // of four spacings; voxels have their place in the middle
+          const auto cell = [](double at) { return std::floor(at / 4); };
+          return cell(begin + edge - 0.5 - 1e-3) - cell(begin - 0.5 + 1e-3) + 1;
+        };
+    const double expected = cells(min.x) * cells(min.y) * cells(min.z);
+    if (expected > 1 << 18) continue;  // these are looked at in another way
+    EXPECT_EQ(marked(grid, 1e9), expected) << edge;
+  }
+}
+
+TEST(GridMarker, LooksWhetherItIsToStopAtEachHalfMillionCells) {
+  constexpr double kCellsOfVoxel = 64 * 64 * 64;  // of two spacings
+  Volume grid;
+  grid.kind = VolumeKind::kField;
+  grid.transform.linear = {{{128, 0, 0}, {0, 128, 0}, {0, 0, 128}}};
+  grid.transform.voxel_size = 128;
+  grid.bricks = {{0, 0, 0}};
+  grid.values.assign(kBrickCells, 1.0F);
+  int looks = 0, last = std::numeric_limits<int>::max();
+  const auto mark = [&] {
+    looks = 0;
+    const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                    [&] { return ++looks >= last; });
+    GridMarker marker(VoxelTransform{}, kWide, 6, 1e9, cancellation);
+    marker.mark(grid);
+    return marker.marked();
+  };
+  EXPECT_GT(mark(), 400 * kCellsOfVoxel);
+  EXPECT_GT(looks, 250) << "one for every two voxels";
+  last = 10;
+  EXPECT_LE(mark(), 2 * last * kCellsOfVoxel);
 }
 
 TEST(GridMarker, StopsOnceThereAreTooManyHoweverManyCubesThereAre) {
