@@ -26,6 +26,7 @@ before(async () => {
       export { TetMesh } from "./tet_mesh";
       export { twinsOf } from "./twins";
       export { upload } from "./upload";
+      export { GroupedTets, tetGroups } from "./tet_groups";
       export * from "../generated/tetstream/v1/grids_pb";
       export { levelOf } from "./tet_shape";
       export { FaceSet } from "./face_set";
@@ -482,6 +483,24 @@ describe("what the page shows to copy", () => {
     const { command, python } = twins({ host: "mesher", port: 7447, tls: true }, { hasToken: true });
     assert.match(command, / --server mesher:7447 --tls --token-file token$/);
     assert.match(python, /Client\("mesher:7447", tls=True, token=open\("token"\)\.read\(\)\.strip\(\)\)/);
+  });
+});
+
+describe("files of many labels", () => {
+  it("unpack each chunk as often as it has labels, and not for those that it has not", () => {
+    const kLabels = 2000, kOfLabel = 3;
+    const store = { count: kLabels, unpacked: 0, columns(c) {
+      ++this.unpacked;
+      return { count: kOfLabel, groups: new Uint16Array(kOfLabel).fill(c) };
+    } };
+    const labels = Array.from({ length: kLabels }, (_, i) => ({ value: BigInt(i + 1), name: i % 2 ? "odd" : "" }));
+    const groups = page.tetGroups({ labels });
+    assert.deepEqual(groups.names.slice(0, 4), ["label_1", "odd_2", "label_3", "odd_4"]);
+    const tets = new page.GroupedTets(groups, store);
+    assert.deepEqual([...new Set(tets.counts)], [kOfLabel]);
+    let seen = 0;
+    for (const group of tets.there) tets.forEach(group, (_, own) => (seen += own.length));
+    assert.deepEqual([seen, store.unpacked], [kLabels * kOfLabel, 2 * kLabels]);
   });
 });
 

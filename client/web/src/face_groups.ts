@@ -73,7 +73,14 @@ function pairsOfLabels(mesh: TetMesh): Found {
     }) };
 }
 
-/** The face of the box around all vertices that each of some faces is nearest to. */
+/** A normal of a triangle, outwards. */
+function normalOf(p: ArrayLike<number>, [a, b, c]: number[]): [number, number, number] {
+  const [ux, uy, uz] = [0, 1, 2].map((k) => p[b! * 3 + k]! - p[a! * 3 + k]!) as [number, number, number];
+  const [vx, vy, vz] = [0, 1, 2].map((k) => p[c! * 3 + k]! - p[a! * 3 + k]!) as [number, number, number];
+  return [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+}
+
+/** The face of the box around all vertices that each of some faces is nearest to, of those on whose side it looks. */
 function nearestBoxFaces(mesh: TetMesh, faces: Uint32Array): Uint16Array {
   const p = mesh.store.allPositions();
   const box = [Infinity, -Infinity, Infinity, -Infinity, Infinity, -Infinity];
@@ -83,10 +90,16 @@ function nearestBoxFaces(mesh: TetMesh, faces: Uint32Array): Uint16Array {
     if (p[i]! > box[axis + 1]!) box[axis + 1] = p[i]!;
   }
   const nearest = new Uint16Array(faces.length);
-  mesh.forFaces(faces, (i, { tets }, tet, corner) => {
-    const away = box.map((place, side) => kFaceCorners[corner]!.reduce((sum, k) =>
-      sum + Math.abs(p[tets[tet * 4 + k]! * 3 + (side >> 1)]! - place), 0));
-    nearest[i] = away.indexOf(Math.min(...away));
+  mesh.forFaces(faces, (i, columns, tet, corner) => {
+    const corners = cornersOf(columns, tet, corner), normal = normalOf(p, corners);
+    let best = 0, bestLooks = false, least = Infinity;
+    box.forEach((place, side) => {
+      const axis = side >> 1, looks = side % 2 === 0 ? normal[axis]! < 0 : normal[axis]! > 0;
+      const away = corners.reduce((sum, vertex) => sum + Math.abs(p[vertex * 3 + axis]! - place), 0);
+      if (looks === bestLooks ? away >= least : bestLooks) return;
+      [best, bestLooks, least] = [side, looks, away];
+    });
+    nearest[i] = best;
   });
   return nearest;
 }
@@ -147,6 +160,16 @@ export function faceGroups(mesh: TetMesh): FaceGroup[] {
 export function cornersOf({ tets }: Columns, tet: number, corner: number): [number, number, number] {
   const [i, j, k] = kFaceCorners[corner]!;
   return [tets[tet * 4 + i]!, tets[tet * 4 + j]!, tets[tet * 4 + k]!];
+}
+
+/** The vertices of some faces, each once, rising. */
+export function verticesOf(mesh: TetMesh, faces: Uint32Array): Uint32Array {
+  const all = new Uint32Array(faces.length * 3);
+  mesh.forFaces(faces, (i, columns, tet, corner) => all.set(cornersOf(columns, tet, corner), i * 3));
+  all.sort();
+  let count = 0;
+  for (const vertex of all) if (count === 0 || all[count - 1] !== vertex) all[count++] = vertex;
+  return all.subarray(0, count);
 }
 
 /** How many faces have a name. */

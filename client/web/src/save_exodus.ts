@@ -1,10 +1,10 @@
 // Exodus II, .exo, as core/files/write_exodus.cpp writes it: byte for byte the same.
-import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
+import { faceGroups, verticesOf, type FaceGroup } from "./face_groups";
 import { columnNames, namesInFile } from "./file_names";
 import type { FileParts } from "./file_parts";
 import { fieldsOf, valuesOf } from "./mesh_columns";
 import { bigEndian, floatAttribute, intAttribute, NetcdfFile, textAttribute } from "./netcdf";
-import { countGroups, tetGroups, type TetGroups } from "./tet_groups";
+import { GroupedTets, tetGroups, type TetGroups } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints, isWide } from "./world_points";
 
@@ -16,26 +16,16 @@ const kSides = [2, 3, 1, 4];
 /** Those groups that have tets, and where each begins once tets are sorted by group. */
 interface Blocks {
   groups: TetGroups;
+  tets: GroupedTets;
   numbers: number[];
-  counts: number[];
   firsts: number[];
 }
 
 function blocksOf(mesh: TetMesh): Blocks {
-  const groups = tetGroups(mesh.header), counts = countGroups(groups, (use) => mesh.store.forEach(use));
+  const groups = tetGroups(mesh.header), tets = new GroupedTets(groups, mesh.store);
   let next = 0;
-  const firsts = counts.map((count) => (next += count) - count);
-  return { groups, counts, firsts, numbers: counts.flatMap((count, i) => (count > 0 ? [i] : [])) };
-}
-
-/** Calls `use` with the tets of a group that each chunk has, by their places in it. */
-function forTetsOf(mesh: TetMesh, groups: TetGroups, group: number,
-    use: (tets: Uint32Array, firstTet: number, own: number[]) => void): void {
-  mesh.store.forEach((columns) => {
-    const of = groups.of(columns), own: number[] = [];
-    for (let t = 0; t < columns.count; ++t) if (of(t) === group) own.push(t);
-    if (own.length > 0) use(columns.tets, columns.firstTet, own);
-  });
+  const firsts = tets.counts.map((count) => (next += count) - count);
+  return { groups, tets, firsts, numbers: tets.there };
 }
 
 /** Where each tet is once they are sorted by group. */
@@ -50,18 +40,7 @@ function sortedPlaces(mesh: TetMesh, { groups, firsts }: Blocks): Uint32Array {
 
 /** Numbers of the vertices of some faces from 1 on, rising. */
 function nodesOf(mesh: TetMesh, faces: Uint32Array): Int32Array {
-  const has = new Uint8Array(mesh.store.vertices);
-  let count = 0;
-  mesh.forFaces(faces, (_, columns, tet, corner) => {
-    for (const vertex of cornersOf(columns, tet, corner)) {
-      if (has[vertex]) continue;
-      has[vertex] = 1;
-      ++count;
-    }
-  });
-  const nodes = new Int32Array(count);
-  for (let v = 0, next = 0; next < count; ++v) if (has[v]) nodes[next++] = v + 1;
-  return nodes;
+  return Int32Array.from(verticesOf(mesh, faces), (vertex) => vertex + 1);
 }
 
 class ExodusFile {
@@ -127,13 +106,13 @@ class ExodusFile {
   }
 
   private addBlocks(): void {
-    const { groups, numbers, counts } = this.blocks, { mesh, netcdf } = this;
+    const { groups, numbers, tets: grouped } = this.blocks, { netcdf } = this;
     this.list("eb", "num_el_blk", numbers.map((i) => groups.tags[i]!),
       namesInFile(numbers.map((i) => groups.names[i]!), { mostBytes: kMostNameBytes }));
     numbers.forEach((group, i) => {
-      const tets = netcdf.dimension(`num_el_in_blk${i + 1}`, counts[group]!);
+      const tets = netcdf.dimension(`num_el_in_blk${i + 1}`, grouped.counts[group]!);
       const corners = netcdf.dimension(`num_nod_per_el${i + 1}`, 4);
-      netcdf.variable(`connect${i + 1}`, "int", [tets, corners], (to) => forTetsOf(mesh, groups, group, (all, _, own) => {
+      netcdf.variable(`connect${i + 1}`, "int", [tets, corners], (to) => grouped.forEach(group, ({ tets: all }, own) => {
         const rows = new Int32Array(own.length * 4);
         own.forEach((t, row) => {
           for (let k = 0; k < 4; ++k) rows[row * 4 + k] = all[t * 4 + k]! + 1;
@@ -142,7 +121,7 @@ class ExodusFile {
       }), [textAttribute("elem_type", "TETRA")]);
     });
     netcdf.variable("elem_num_map", "int", [this.elements], (to) => numbers.forEach((group) =>
-      forTetsOf(mesh, groups, group, (_, firstTet, own) =>
+      grouped.forEach(group, ({ firstTet }, own) =>
         to.bytes(bigEndian(Int32Array.from(own, (t) => firstTet + t + 1))))));
   }
 

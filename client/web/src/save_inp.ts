@@ -1,8 +1,8 @@
 // Input of Abaqus and CalculiX, .inp, as core/files/write_inp.cpp writes it.
-import { cornersOf, faceGroups } from "./face_groups";
+import { faceGroups, verticesOf } from "./face_groups";
 import { inComment, namesInFile } from "./file_names";
 import { textOf, type FileParts } from "./file_parts";
-import { countGroups, tetGroups } from "./tet_groups";
+import { GroupedTets, tetGroups } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints, isWide } from "./world_points";
 
@@ -19,7 +19,7 @@ export function writeInp(mesh: TetMesh, file: FileParts): void {
   const { header, store } = mesh;
   const wide = isWide(header);
   const groups = tetGroups(header), surfaces = faceGroups(mesh);
-  const counts = countGroups(groups, (use) => store.forEach(use));
+  const grouped = new GroupedTets(groups, store), { counts } = grouped;
   const sets = namesInFile(groups.names, kNames), names = namesInFile(surfaces.map(({ name }) => name), kNames);
   file.text(`*HEADING\n${store.vertices} nodes, ${header.tetCount} elements, written by tetstream\n` +
     renamed("ELSET", sets, groups.names) + renamed("SURFACE", names, surfaces.map(({ name }) => name)));
@@ -29,19 +29,17 @@ export function writeInp(mesh: TetMesh, file: FileParts): void {
   counts.forEach((count, group) => {
     if (count === 0) return;  // readers take no empty set
     file.text(`*ELEMENT, TYPE=C3D4, ELSET=${sets[group]}\n`);
-    store.forEach((columns) => {
-      const of = groups.of(columns), { tets, firstTet } = columns;
-      file.lines(columns.count, (t) => (of(t) !== group ? ""
-        : `${firstTet + t + 1}, ${tets[t * 4]! + 1}, ${tets[t * 4 + 1]! + 1}, ${tets[t * 4 + 2]! + 1}, ${tets[t * 4 + 3]! + 1}\n`));
-    });
+    grouped.forEach(group, ({ tets, firstTet }, own) => file.lines(own.length, (i) => {
+      const t = own[i]!;
+      return `${firstTet + t + 1}, ${tets[t * 4]! + 1}, ${tets[t * 4 + 1]! + 1}, ${tets[t * 4 + 2]! + 1}, ${tets[t * 4 + 3]! + 1}\n`;
+    }));
   });
   file.text("*ELSET, ELSET=Eall\n" + sets.filter((_, i) => counts[i]! > 0).map((name) => `${name}\n`).join(""));
   surfaces.forEach(({ faces }, i) => {
     file.text(`*SURFACE, NAME=${names[i]}, TYPE=ELEMENT\n`);
     file.lines(faces.length, (f) => `${(faces[f]! >>> 2) + 1}, ${kFaces[faces[f]! & 3]}\n`);
-    const nodes = new Uint8Array(store.vertices);
-    mesh.forFaces(faces, (_, columns, tet, corner) => cornersOf(columns, tet, corner).forEach((v) => (nodes[v] = 1)));
+    const nodes = verticesOf(mesh, faces);
     file.text(`*NSET, NSET=${names[i]}\n`);
-    file.lines(nodes.length, (v) => (nodes[v] ? `${v + 1}\n` : ""));
+    file.lines(nodes.length, (n) => `${nodes[n]! + 1}\n`);
   });
 }

@@ -2,7 +2,7 @@
 import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
 import { shortNames } from "./file_names";
 import type { FileParts } from "./file_parts";
-import { countGroups, tetGroups, type TetGroups } from "./tet_groups";
+import { GroupedTets, tetGroups, type TetGroups } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints } from "./world_points";
 
@@ -57,20 +57,15 @@ function writeNodes(mesh: TetMesh, file: FileParts, volume: number): void {
   file.text("\n$EndNodes\n");
 }
 
-/** Tets that `wanted` takes, with their numbers in the mesh as tags. */
-function writeTets(mesh: TetMesh, file: FileParts, group: number): void {
-  const groups = tetGroups(mesh.header);
-  mesh.store.forEach((columns) => {
-    const of = groups.of(columns), { tets, firstTet, count } = columns;
-    const rows = new Uint32Array(count * 10);
-    let next = 0;
-    for (let t = 0; t < count; ++t) {
-      if (of(t) !== group) continue;
-      rows[next] = firstTet + t + 1;
-      for (let k = 0; k < 4; ++k) rows[next + 2 + 2 * k] = tets[t * 4 + k]! + 1;
-      next += 10;
-    }
-    file.bytes(rows.subarray(0, next));
+/** The tets of a group, with their numbers in the mesh as tags. */
+function writeTets(tets: GroupedTets, file: FileParts, group: number): void {
+  tets.forEach(group, ({ tets, firstTet }, own) => {
+    const rows = new Uint32Array(own.length * 10);
+    own.forEach((t, row) => {
+      rows[row * 10] = firstTet + t + 1;
+      for (let k = 0; k < 4; ++k) rows[row * 10 + 2 + 2 * k] = tets[t * 4 + k]! + 1;
+    });
+    file.bytes(rows);
   });
 }
 
@@ -105,7 +100,7 @@ function writeFields(mesh: TetMesh, file: FileParts): void {
 
 export function writeMsh(mesh: TetMesh, file: FileParts): void {
   const groups = tetGroups(mesh.header), surfaces = faceGroups(mesh);
-  const counts = countGroups(groups, (use) => mesh.store.forEach(use));
+  const grouped = new GroupedTets(groups, mesh.store), { counts } = grouped;
   const tets = Number(mesh.header.tetCount);
   const triangles = surfaces.reduce((sum, surface) => sum + surface.faces.length, 0);
   file.text("$MeshFormat\n4.1 1 8\n");
@@ -121,7 +116,7 @@ export function writeMsh(mesh: TetMesh, file: FileParts): void {
     if (count === 0) return;
     file.bytes(Int32Array.of(kVolume, groups.tags[group]!, kTet));
     file.bytes(wide(count));
-    writeTets(mesh, file, group);
+    writeTets(grouped, file, group);
   });
   let first = tets + 1;
   for (const surface of surfaces) {

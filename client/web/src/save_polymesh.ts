@@ -3,7 +3,7 @@ import { cornersOf } from "./face_groups";
 import { namesInFile } from "./file_names";
 import type { FileParts } from "./file_parts";
 import { FoamFaces } from "./foam_faces";
-import { countGroups, tetGroups } from "./tet_groups";
+import { GroupedTets, tetGroups } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 import { forEachPoints } from "./world_points";
 import { ZipFile } from "./zip";
@@ -96,16 +96,13 @@ function writeMembers(file: FileParts, what: string, count: number, write: () =>
 }
 
 function writeCellZones(mesh: TetMesh, file: FileParts): void {
-  const groups = tetGroups(mesh.header), counts = countGroups(groups, (use) => mesh.store.forEach(use));
-  const there = counts.flatMap((count, i) => (count > 0 ? [i] : []));
+  const groups = tetGroups(mesh.header), grouped = new GroupedTets(groups, mesh.store), { there } = grouped;
   const names = namesInFile(there.map((i) => groups.names[i]!));
   file.text(`${foamHeader("regIOobject", "cellZones", false)}${there.length}\n(\n`);
   there.forEach((group, i) => {
     file.text(`    ${names[i]}\n    {\n        type cellZone;\n`);
-    writeMembers(file, "cellLabels List<label>", counts[group]!, () => mesh.store.forEach((columns) => {
-      const of = groups.of(columns);
-      file.lines(columns.count, (t) => (of(t) === group ? `${columns.firstTet + t}\n` : ""));
-    }));
+    writeMembers(file, "cellLabels List<label>", grouped.counts[group]!, () =>
+      grouped.forEach(group, ({ firstTet }, own) => file.lines(own.length, (i) => `${firstTet + own[i]!}\n`)));
     file.text("    }\n");
   });
   file.text(")\n");

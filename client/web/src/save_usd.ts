@@ -3,7 +3,7 @@ import { cornersOf, faceGroups, type FaceGroup } from "./face_groups";
 import { namesInFile } from "./file_names";
 import { shortFloat32, type FileParts } from "./file_parts";
 import { fieldsOf, valuesOf } from "./mesh_columns";
-import { tetGroups, type TetGroups } from "./tet_groups";
+import { GroupedTets, tetGroups, type TetGroups } from "./tet_groups";
 import type { TetMesh } from "./tet_mesh";
 
 function tuple(numbers: number[]): string {
@@ -81,13 +81,11 @@ function beginSubset(file: FileParts, name: string, element: string, family: str
 
 /** Their names are of one list: they are prims of one parent. */
 function writeSubsets(mesh: TetMesh, groups: TetGroups, surfaces: FaceGroup[], file: FileParts): void {
+  const grouped = new GroupedTets(groups, mesh.store);
   const names = namesInFile([...groups.names, ...surfaces.map(({ name }) => name)]);
   groups.names.forEach((_, group) => {
     const tets = beginSubset(file, names[group]!, "tetrahedron", "regions");
-    mesh.store.forEach((columns) => {
-      const of = groups.of(columns);
-      tets.add(columns.count, (t) => (of(t) === group ? String(columns.firstTet + t) : ""));
-    });
+    grouped.forEach(group, ({ firstTet }, own) => tets.add(own.length, (i) => String(firstTet + own[i]!)));
     tets.end("\n    }\n");
   });
   let first = 0;

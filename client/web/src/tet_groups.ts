@@ -1,6 +1,6 @@
 // The tets of a mesh by what they belong to: labels, parts, regions; as core/files/tet_groups.h has them.
 import type { MeshHeader, MeshLabel } from "../generated/tetstream/v1/meshes_pb";
-import type { Columns } from "./chunk_store";
+import type { ChunkStore, Columns } from "./chunk_store";
 
 export interface TetGroups {
   tags: number[];
@@ -18,11 +18,10 @@ function freeName(wanted: string, taken: Set<string>): string {
 
 /** Names of labels, no two alike. */
 export function distinctNames(labels: MeshLabel[]): string[] {
-  const taken = new Set<string>();
-  return labels.map(({ name, value }) => {
-    const alone = labels.filter((other) => other.name === name).length === 1;
-    return freeName(!name ? `label_${value}` : alone ? name : `${name}_${value}`, taken);
-  });
+  const taken = new Set<string>(), called = new Map<string, number>();
+  for (const { name } of labels) called.set(name, (called.get(name) ?? 0) + 1);
+  return labels.map(({ name, value }) =>
+    freeName(!name ? `label_${value}` : called.get(name) === 1 ? name : `${name}_${value}`, taken));
 }
 
 export function tetGroups(header: MeshHeader): TetGroups {
@@ -47,14 +46,37 @@ export function tetGroups(header: MeshHeader): TetGroups {
   return { tags: [1], names: ["inside"], of: () => () => 0 };
 }
 
-/** How many tets each group has. */
-export function countGroups(groups: TetGroups, forEach: (use: (columns: Columns) => void) => void): number[] {
-  const counts = groups.tags.map(() => 0);
-  forEach((columns) => {
-    const of = groups.of(columns);
-    for (let t = 0; t < columns.count; ++t) ++counts[of(t)]!;
-  });
-  return counts;
+/** The tets of each group. Of a mesh with many groups few chunks have any of one: no others are unpacked for it. */
+export class GroupedTets {
+  readonly counts: number[];
+  private readonly chunks: number[][];
+
+  constructor(readonly groups: TetGroups, private readonly store: ChunkStore) {
+    this.counts = groups.tags.map(() => 0);
+    this.chunks = groups.tags.map(() => []);
+    for (let c = 0; c < store.count; ++c) {
+      const columns = store.columns(c), of = groups.of(columns);
+      for (let t = 0; t < columns.count; ++t) {
+        const group = of(t);
+        ++this.counts[group]!;
+        if (this.chunks[group]!.at(-1) !== c) this.chunks[group]!.push(c);
+      }
+    }
+  }
+
+  /** Groups that have tets. */
+  get there(): number[] {
+    return this.counts.flatMap((count, group) => (count > 0 ? [group] : []));
+  }
+
+  /** Calls `use` with each chunk that has tets of a group, and with their places in it, rising. */
+  forEach(group: number, use: (columns: Columns, own: number[]) => void): void {
+    for (const c of this.chunks[group]!) {
+      const columns = this.store.columns(c), of = this.groups.of(columns), own: number[] = [];
+      for (let t = 0; t < columns.count; ++t) if (of(t) === group) own.push(t);
+      use(columns, own);
+    }
+  }
 }
 
 export { freeName };
