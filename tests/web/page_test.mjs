@@ -423,11 +423,16 @@ part("Lives", () => {
   });
 
   it("finds a server again that was killed", async () => {
+    const meshing = await held.browser.open(held.server.url);
+    await chooseBall(meshing, held);
     const page = await held.browser.open(held.server.url + "#jobs");
     await until(page, () => document.getElementById("watch-state").textContent === "live");
     await held.server.kill();
     await until(page, () => /cannot be reached|broke/.test(document.getElementById("watch-state").textContent));
+    await meshing.locator("#spacing").fill("1");
+    await until(meshing, () => /cannot be reached/.test(document.getElementById("estimate").textContent));
     await held.server.start();
+    await mesh(meshing);  // which needs nothing but the button
     await until(page, () => document.getElementById("watch-state").textContent === "live");
     await page.click('nav a[href="#server"]');
     await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));

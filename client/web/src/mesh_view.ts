@@ -10,7 +10,7 @@ import { MeshChoice } from "./mesh_choice";
 import { kNowhere, grpcPlace, twinsOf, type GrpcPlace } from "./twins";
 import { alertOf, count, element, explain, made, options, short, sizeOf } from "./page";
 import { drawQuality, type Promised } from "./quality_view";
-import { RpcError, unary } from "./rpc";
+import { kUnavailable, RpcError, unary } from "./rpc";
 import type { WorstTet } from "./tet_mesh";
 import { pictureOn } from "./viewer";
 import { WorkerRuns } from "./worker_runs";
@@ -119,7 +119,8 @@ export class MeshView {
     } catch (error) {
       if (mine.signal.aborted) return;
       element("estimate").textContent = explain(error);
-      if (error instanceof RpcError) this.allowMeshing(false);
+      // A server that cannot be reached may be there again by the time that somebody meshes.
+      if (error instanceof RpcError && error.code !== kUnavailable) this.allowMeshing(false);
     }
   }
 
