@@ -1,4 +1,5 @@
 // tetstream: VDB volumes and closed surfaces in, tetrahedral meshes out.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -9,6 +10,7 @@
 #include "client/command/abandonable.h"
 #include "client/command/command.h"
 #include "client/command/did_you_mean.h"
+#include "client/command/empty_values.h"
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
 #include "client/library/error_details.h"
@@ -115,7 +117,10 @@ int run_command_line(int argc, char** argv) {
   add_manual_option(app, "1", "tetstream " TETSTREAM_VERSION);
   app.require_subcommand(1);
   const std::vector<NamedCommand> commands = add_commands(app);
+  refuse_empty_values(app);
   try {
+    const std::string empty = option_without_value({argv + std::min(argc, 1), argv + argc});
+    if (!empty.empty()) throw CLI::ValidationError(no_value_message(empty));
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);

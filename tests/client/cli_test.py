@@ -10,7 +10,7 @@ import re
 import resource
 import unittest
 
-from command_case import ENDINGS, REFUSED, USAGE, CommandTest
+from command_case import CUBE, ENDINGS, LID, REFUSED, USAGE, CommandTest
 
 
 class Mesh(CommandTest):
@@ -250,6 +250,14 @@ class Usage(CommandTest):
     def test_servers_have_a_port(self):
         for server in ("127.0.0.1", "localhost", "localhost:1,farm", "::1", "localhost:", "h:http"):
             self.assert_fails(self.tetstream("health", "--server", server), REFUSED, "port")
+
+    def test_an_option_whose_value_is_empty_as_of_a_variable_that_is_not_set(self):
+        for words, option in ((["--report=", "--improve"], "--report"), (["--iso", ""], "--iso"),
+                              (["--server", ""], "--server"), (["--labels", ""], "--labels"), ([""], "INPUT")):
+            with self.subTest(words):
+                source = () if option == "INPUT" else (self.inputs / "sphere.vdb",)
+                result = self.tetstream("mesh", *source, "-o", self.out / "m.vtu", *words)
+                self.assert_fails(result, USAGE, option, "it is empty")
 
     def test_missing_arguments(self):
         self.assert_fails(self.tetstream("mesh", "a.vdb"), USAGE, "--output")

@@ -52,6 +52,32 @@ TEST(Manifest, TakesWhatALineDoesNotSayFromTheDefaults) {
   EXPECT_EQ(orders[1].job.labels().at("part"), "none");
 }
 
+/// What a program writes for "nothing" must not take the next option for its value.
+TEST(Manifest, RefusesAValueThatIsEmpty) {
+  for (const std::string& key : std::vector<std::string>{
+           "name", "ttl", "timeout", "grid", "sizing", "preset", "labels", "inside", "improve",
+           "iso", "label", "field", "box", "coordinates", "voxel"}) {
+    for (const std::string& line :
+         {R"({"input": "a.vdb", ")" + key + R"(": "", "levels": 0})",
+          R"({"input": "a.vdb", ")" + key + R"(": [""], "levels": 0})",
+          R"({"input": "a.vdb", ")" + key + R"(": ["", 1], "levels": 0})",
+          "a.vdb --" + key + "= --levels 0"}) {
+      std::istringstream lines(line);
+      const absl::Status status = read_manifest(lines, "jobs.txt", {}).status();
+      EXPECT_THAT(std::string(status.message()),
+                  HasSubstr("jobs.txt:1: --" + key + ": it is empty"))
+          << line;
+    }
+  }
+}
+
+TEST(Manifest, TakesAnEmptyListAndAnEmptyValueOfALabel) {
+  const auto orders = orders_of(R"({"input": "a.vdb", "field": [], "label": {"part": ""}})");
+  ASSERT_EQ(orders.size(), 1);
+  EXPECT_EQ(orders[0].job.labels().at("part"), "");
+  EXPECT_EQ(orders[0].job.mesh().fields_size(), 0);
+}
+
 TEST(JobOrder, IsToldFromOthersByAllThatItAsksFor) {
   const auto orders = orders_of(
       "a.vdb\nb.vdb\na.vdb --iso 0.1\na.vdb --priority 1\na.vdb --label a=b\na.vdb "

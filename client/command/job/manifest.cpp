@@ -9,6 +9,8 @@
 #include <absl/strings/str_replace.h>
 #include <nlohmann/json.hpp>
 
+#include "client/command/empty_values.h"
+
 namespace tet {
 namespace {
 
@@ -19,13 +21,16 @@ std::string text_of(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// Values go behind a `=`, so that none is taken for an option.
+/// Values go behind a `=`, so that none is taken for an option; one that is empty leaves a word
+/// that parse_words refuses. Only numbers follow each other.
 void add_option(const std::string& option, const Json& value, Words& words) {
   if (value.is_null()) return;
-  const auto is_text = [](const Json& one) { return one.is_string(); };
-  if (value.is_array() && std::all_of(value.begin(), value.end(), is_text)) {
+  const auto is_number = [](const Json& one) { return one.is_number(); };
+  const bool is_list = value.is_array() && !value.empty();
+  if (is_list && !std::all_of(value.begin(), value.end(), is_number)) {
     for (const Json& one : value) words.push_back(absl::StrCat(option, "=", text_of(one)));
   } else if (value.is_array()) {
+    if (!is_list) return;
     words.push_back(option);
     for (const Json& one : value) words.push_back(text_of(one));
   } else if (value.is_object()) {
@@ -54,6 +59,9 @@ absl::StatusOr<Words> words_of_json(const std::string& line) {
 }
 
 absl::Status parse_words(CLI::App& app, Words words) {
+  if (const std::string empty = option_without_value(words); !empty.empty()) {
+    return absl::InvalidArgumentError(no_value_message(empty));
+  }
   std::reverse(words.begin(), words.end());  // as CLI11 takes them
   try {
     app.parse(std::move(words));
@@ -81,6 +89,7 @@ absl::StatusOr<JobArguments> understand_line(const std::string& line,
   app.set_help_flag();
   describe_job(app, job);
   app.add_option("INPUT", job.input);
+  refuse_empty_values(app);
   if (absl::Status status = parse_line(app, line); !status.ok()) return status;
   if (job.input.empty()) return absl::InvalidArgumentError("no input");
   job.labels.insert(job.labels.begin(), defaults.labels.begin(), defaults.labels.end());
