@@ -43,6 +43,11 @@ class JobUsage(CommandTest):
                 (["job", "submit", *server], "INPUT", "--manifest"),
                 (["job", "wait", *server], "which jobs"),
                 (["job", "list", "--state", "lost", *server], "lost"),
+                (["job", "delete", "--state", "succeeded", "--until", "", *server], "--until", "empty"),
+                (["job", "submit", "a.vdb", "--name=", "--skip-cache", *server], "--name", "empty"),
+                (["job", "delete", "ID", "--state", "failed", *server], "their names", "--state"),
+                (["job", "retry", "--journal", "j", "--state", "failed", *server], "--journal", "--state"),
+                (["job", "cancel", "--journal", "j", "--all", *server], "--journal", "--all"),
                 (["job", "fetch", "ID", "-o", "a.vtu", "--into", "b", *server], "excludes")):
             with self.subTest(arguments):
                 self.assert_fails(self.tetstream(*arguments), USAGE, *words)

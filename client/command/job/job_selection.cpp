@@ -163,9 +163,16 @@ void describe_selection(CLI::App& app, SelectionArguments& arguments) {
       ->group(kWhichJobs);
   app.add_flag("--all", arguments.all, "All there are")->group(kWhichJobs);
   app.parse_complete_callback([&arguments] {
-    if (!arguments.names.empty() || !arguments.filter.empty() || !arguments.journal.empty() ||
-        arguments.all) {
-      return;
+    const bool names_them = !arguments.names.empty() || !arguments.journal.empty();
+    const bool chooses = !arguments.filter.empty() || arguments.all;
+    if (!names_them && !chooses)
+      throw CLI::RequiredError("which jobs? Their names, --label and its like, or --all");
+    // Some would take it for those of the named ones that are like this, and some for both.
+    if (names_them && chooses) {
+      throw CLI::ValidationError(
+          absl::StrCat("jobs are either named or chosen: leave out ",
+                       arguments.names.empty() ? "--journal" : "their names", ", or ",
+                       arguments.all ? "--all" : "--state, --label and their like"));
     }
     throw CLI::RequiredError("which jobs? Their names, --label and its like, or --all");
   });

@@ -39,7 +39,8 @@ struct SelectionArguments {
   bool all = false;
 };
 
-/// Adds the names and all that can stand for them. Selecting nothing is a usage error.
+/// Adds the names and all that can stand for them. Selecting nothing is a usage error, and so
+/// is naming jobs, themselves or by a journal, and choosing them by what they are like at once.
 void describe_selection(CLI::App& app, SelectionArguments& arguments);
 
 /// The names of the jobs, each once. Those that are read come one a line: as the line's first
