@@ -66,24 +66,24 @@ absl::Status check(const Cancellation& cancellation) {
   return absl::CancelledError("cancelled");
 }
 
-bool Retries::again(const absl::Status& status,
-                    std::uint64_t progress,
-                    const ServerChannel& next,
-                    RetryHint hint) {
-  if (!worth_retrying(status)) return false;
+absl::Status Retries::again(const absl::Status& status,
+                            std::uint64_t progress,
+                            const ServerChannel& next,
+                            RetryHint hint) {
+  if (!worth_retrying(status)) return status;
   if (progress > furthest_) failures_ = 0;
   furthest_ = std::max(furthest_, progress);
   const int attempts = hint.known && policy_.attempts > 1
                            ? std::max(policy_.attempts, policy_.attempts_once_known)
                            : policy_.attempts;
-  if (++failures_ >= attempts) return false;
+  if (++failures_ >= attempts) return status;
   const auto asked = hint.elsewhere ? std::nullopt : retry_delay(status);
   const auto wait = next_wait(asked.value_or(absl::ZeroDuration()));
   const auto end = std::chrono::steady_clock::now() + wait;
   while (std::chrono::steady_clock::now() < end && !cancellation_.requested()) {
     next.seek(std::min(kSought, wait));
   }
-  return !cancellation_.requested();
+  return check(cancellation_);
 }
 
 std::chrono::milliseconds Retries::next_wait(absl::Duration asked) {

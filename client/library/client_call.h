@@ -51,13 +51,14 @@ class Retries {
       : policy_(policy), cancellation_(cancellation) {}
 
   /// After a failed attempt that got as far as `progress`: seeks `next` for a while and returns
-  /// true when it is worth another there. Attempts count from the last one that got further
-  /// than those before. The wait is what the server asked for at least, a little longer by
-  /// chance, so that clients that failed together come back one by one.
-  bool again(const absl::Status& status,
-             std::uint64_t progress,
-             const ServerChannel& next,
-             RetryHint hint);
+  /// OK when it is worth another there; else why the call ends, which is `status`, or that it
+  /// was cancelled or its deadline passed during the wait. Attempts count from the last one
+  /// that got further than those before. The wait is what the server asked for at least, a
+  /// little longer by chance, so that clients that failed together come back one by one.
+  absl::Status again(const absl::Status& status,
+                     std::uint64_t progress,
+                     const ServerChannel& next,
+                     RetryHint hint);
 
  private:
   std::chrono::milliseconds next_wait(absl::Duration asked);

@@ -18,10 +18,10 @@ absl::StatusOr<std::shared_ptr<Connection>> Connection::open(const std::string& 
   return std::shared_ptr<Connection>(new Connection(std::move(servers), retry));
 }
 
-bool Connection::again(Retries& retries,
-                       const ServerChannel& failed,
-                       const absl::Status& status,
-                       std::uint64_t progress) {
+absl::Status Connection::again(Retries& retries,
+                               const ServerChannel& failed,
+                               const absl::Status& status,
+                               std::uint64_t progress) {
   const bool elsewhere = servers_.size() > 1 && absl::IsUnavailable(status);
   // When several calls failed at one server, only the first of them turns to the next.
   if (std::size_t now = turn_.load();

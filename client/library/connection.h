@@ -34,12 +34,12 @@ class Connection {
 
   Retries begin(const Cancellation& cancellation) const { return {retry_, cancellation}; }
 
-  /// Whether a call that failed at `failed` is worth another attempt; then, if that one cannot
-  /// be reached, at the next server.
-  bool again(Retries& retries,
-             const ServerChannel& failed,
-             const absl::Status& status,
-             std::uint64_t progress);
+  /// OK where a call that failed at `failed` is worth another attempt, at the next server if
+  /// that one cannot be reached; else why the call ends, as Retries::again has it.
+  absl::Status again(Retries& retries,
+                     const ServerChannel& failed,
+                     const absl::Status& status,
+                     std::uint64_t progress);
 
   /// One unary call, tried again while the server is not to be reached.
   template <class Stub, class Request, class Response>
@@ -59,7 +59,7 @@ class Connection {
         known_.store(true);
         return response;
       }
-      if (!again(retries, asked, status, 0)) return status;
+      if (auto ended = again(retries, asked, status, 0); !ended.ok()) return ended;
     }
   }
 

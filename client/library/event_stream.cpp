@@ -57,7 +57,8 @@ absl::StatusOr<bool> EventStream::step() {
     if (status.ok()) {
       status = absl::UnavailableError("the stream ended before all of it had come");
     }
-    if (!connection_.again(retries_, server, status, call_.next_chunk())) return status;
+    const absl::Status last = connection_.again(retries_, server, status, call_.next_chunk());
+    if (!last.ok()) return last;
   }
 }
 

@@ -141,7 +141,8 @@ absl::Status JobClient::watch(const std::string& name,
     // An idle watch is cut off now and then by whatever is in between: such ends do not add up.
     const bool lasted = clock_() - begun >= kServedFor;
     if (request.after_revision() > before || (end.begun && lasted)) ++served;
-    if (!connection_->again(retries, server, end.status, served)) return end.status;
+    if (auto ended = connection_->again(retries, server, end.status, served); !ended.ok())
+      return ended;
   }
 }
 

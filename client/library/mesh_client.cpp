@@ -62,7 +62,8 @@ absl::StatusOr<std::string> MeshClient::upload_file(const std::string& path,
     const ServerChannel& server = connection_->server();
     const auto status = upload_from(server, *file, offset, progress, cancellation);
     if (status.ok()) return file->name;
-    if (!connection_->again(retries, server, status, offset)) return status;
+    if (auto ended = connection_->again(retries, server, status, offset); !ended.ok())
+      return ended;
   }
 }
 

@@ -64,7 +64,7 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
     const absl::Status begun = session->exchange(message);
     if (begun.ok()) return session;
     session.reset();
-    if (!connection->again(retries, asked, begun, 0)) return begun;
+    if (auto ended = connection->again(retries, asked, begun, 0); !ended.ok()) return ended;
   }
 }
 

@@ -158,7 +158,8 @@ absl::StatusOr<PointSamples> sample_there(Connection& connection,
     const ServerChannel& asked = connection.server();
     const absl::Status status = sample_once(asked, request, reader, tell, cancellation);
     if (status.ok()) return std::move(reader.samples());
-    if (!connection.again(retries, asked, status, reader.answered())) return status;
+    if (auto ended = connection.again(retries, asked, status, reader.answered()); !ended.ok())
+      return ended;
   }
 }
 

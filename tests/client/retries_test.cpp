@@ -1,8 +1,13 @@
 #include <chrono>
+#include <functional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "client/library/client_call.h"
+#include "client/library/connection.h"
+#include "client/library/job_client.h"
+#include "client/library/remesh_session.h"
 #include "google/rpc/error_details.pb.h"
 #include "proto/convert/status.h"
 #include "tests/server/service_fixture.h"
@@ -35,7 +40,7 @@ class RetriesTest : public testing::Test {
   int attempts(const absl::Status& status, RetryHint hint) {
     Retries retries(kQuick, never_);
     int attempts = 1;
-    while (retries.again(status, 0, nowhere_, hint)) ++attempts;
+    while (retries.again(status, 0, nowhere_, hint).ok()) ++attempts;
     return attempts;
   }
 
@@ -44,7 +49,7 @@ class RetriesTest : public testing::Test {
                                                  RetryHint hint) {
     Retries retries(kQuick, cancellation);
     const auto start = std::chrono::steady_clock::now();
-    retries.again(status, 0, nowhere_, hint);
+    retries.again(status, 0, nowhere_, hint).IgnoreError();
     return std::chrono::steady_clock::now() - start;
   }
 
@@ -77,6 +82,50 @@ TEST_F(RetriesTest, WaitAsLongAsTheServerAsksUnlessItIsAnothersTurn) {
 TEST_F(RetriesTest, EndWithTheDeadline) {
   const Cancellation soon(std::chrono::system_clock::now() + 50ms);
   EXPECT_LT(first_wait(busy_for_long(), soon, {}), kLongWait);
+}
+
+TEST_F(RetriesTest, SayThatTheDeadlinePassedOrTheCallWasCancelledWhileTheyWaited) {
+  const Cancellation soon(std::chrono::system_clock::now() + 50ms);
+  Retries late(kQuick, soon);
+  EXPECT_TRUE(absl::IsDeadlineExceeded(late.again(busy_for_long(), 0, nowhere_, {})));
+  Cancellation stopped;
+  stopped.cancel();
+  Retries given_up(kQuick, stopped);
+  EXPECT_TRUE(absl::IsCancelled(given_up.again(busy_for_long(), 0, nowhere_, {})));
+  Retries refused(kQuick, stopped);
+  EXPECT_TRUE(
+      absl::IsNotFound(refused.again(absl::NotFoundError("no such job"), 0, nowhere_, {})));
+}
+
+/// Of a server that nobody has started each attempt fails at once, so that the deadline comes
+/// between two of them.
+TEST_F(RetriesTest, TellOfTheDeadlineWhateverIsCalled) {
+  const RetryPolicy slow{.attempts = 1000,
+                         .attempts_once_known = 1000,
+                         .first_backoff_ms = 60'000,
+                         .max_backoff_ms = 60'000};
+  const auto connection = *Connection::open("127.0.0.1:1", {}, slow);
+  MeshClient meshes(connection);
+  JobClient jobs(connection);
+  const std::vector<WorldPoint> points(1);
+  const std::vector<std::function<absl::Status(const Cancellation&)>> calls{
+      [&](const Cancellation& soon) { return meshes.capabilities(soon).status(); },
+      [&](const Cancellation& soon) { return meshes.stream_mesh({}, {}, soon).status(); },
+      [&](const Cancellation& soon) {
+        return meshes.sample_points({}, points, {}, soon).status();
+      },
+      [&](const Cancellation& soon) {
+        return meshes.begin_session({}, soon, SessionIds::kInOrder).status();
+      },
+      [&](const Cancellation& soon) {
+        return jobs.watch(
+            "", 0, [](const v1::JobEvent&) { return true; }, soon);
+      }};
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    const Cancellation soon(std::chrono::system_clock::now() + 100ms);
+    const absl::Status status = calls[i](soon);
+    EXPECT_TRUE(absl::IsDeadlineExceeded(status)) << i << ": " << status;
+  }
 }
 
 TEST_F(ServiceTest, AClientOfSeveralServersUsesOneThatIsThere) {
