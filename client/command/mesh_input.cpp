@@ -1,21 +1,20 @@
 #include "client/command/mesh_input.h"
 
-#include <filesystem>
+#include <optional>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
 #include "client/command/abandonable.h"
 #include "client/command/scene_input.h"
-#include "client/command/scratch_directory.h"
 #include "client/command/surface_input.h"
 #include "client/command/volume_file.h"
+#include "client/library/api/temporary_folder.h"
 #include "core/vdb/openvdb_part.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {
 namespace {
-
-namespace fs = std::filesystem;
 
 absl::StatusOr<ConversionReport> convert_surface(const MeshInput& input,
                                                  const std::string& vdb_path) {
@@ -67,9 +66,12 @@ absl::StatusOr<std::string> upload_input(MeshClient& client,
                                          const UploadWatch& watch,
                                          const Cancellation& cancellation) {
   std::string path = input.path;
-  std::optional<ScratchDirectory> scratch;
+  std::optional<tetstream::TemporaryFolder> scratch;
   if (is_surface_file(path)) {
-    path = scratch.emplace(fs::temp_directory_path()).file("surface.vdb");
+    absl::StatusOr<tetstream::TemporaryFolder> folder = tetstream::TemporaryFolder::make();
+    if (!folder.ok()) return folder.status();
+    path = folder->file("surface.vdb");
+    scratch.emplace(*std::move(folder));
     const absl::StatusOr<ConversionReport> report = run_abandonable<ConversionReport>(
         [input, path] { return convert_surface(input, path); },
         [&] {

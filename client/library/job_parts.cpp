@@ -10,6 +10,7 @@
 #include "client/library/job_client.h"
 #include "client/library/receive_mesh.h"
 #include "client/library/stream_checks.h"
+#include "client/library/thrown_status.h"
 #include "proto/wire/serialized.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 
@@ -66,10 +67,12 @@ std::vector<PartReceiver> divide(const MeshHeader& header,
   return receivers;
 }
 
+/// One range. What is thrown out of its thread would end the process, and leave behind all that
+/// was begun.
 absl::Status receive(Connection& connection,
                      const std::string& job,
                      PartReceiver& receiver,
-                     const Cancellation& cancellation) {
+                     const Cancellation& cancellation) try {
   const auto request = [&] {
     v1::ReadJobResultRequest rest;
     rest.set_name(job);
@@ -83,6 +86,8 @@ absl::Status receive(Connection& connection,
        [&](grpc::ByteBuffer& event) { return receiver.take(event); },
        [&] { return receiver.complete(); }, [&] { return receiver.next_chunk(); }},
       cancellation);
+} catch (...) {
+  return status_of_exception();
 }
 
 /// Whether the ranges lie one after the other and are all of the mesh.
@@ -120,8 +125,14 @@ absl::Status JobClient::read_parts(const v1::Job& job,
     std::vector<std::jthread> threads;
     threads.reserve(receivers.size());
     for (PartReceiver& receiver : receivers) {
-      threads.emplace_back(
-          [&] { parts.ended(receive(*connection_, job.name(), receiver, cancellation)); });
+      const auto work = [&] {
+        parts.ended(receive(*connection_, job.name(), receiver, cancellation));
+      };
+      try {
+        threads.emplace_back(work);
+      } catch (...) {  // no more threads: those that run are to stop
+        parts.ended(status_of_exception());
+      }
     }
   }
   if (!parts.failure().ok()) return parts.failure();

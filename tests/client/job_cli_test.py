@@ -153,6 +153,14 @@ class JobSubmit(JobTest):
         self.assertEqual(job["mesh"]["iso"], 0.05)
 
     def test_a_manifest_has_a_job_a_line(self):
+    def test_says_what_is_wrong_with_the_folder_of_temporary_files(self):
+        (self.out / "cube.obj").write_text(CUBE + LID)
+        environment = {**self.environment, "TMPDIR": str(self.out / "nowhere")}
+        result = self.tetstream("job", "submit", self.out / "cube.obj", "--server", self.address, env=environment)
+        self.assertEqual(result.returncode, SERVER, result.stderr)
+        self.assertIn("TMPDIR", result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
         manifest = self.out / "jobs.txt"
         ball = self.inputs / "sphere.vdb"
         manifest.write_text(

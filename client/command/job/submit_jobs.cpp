@@ -14,6 +14,7 @@
 #include "client/command/scene_input.h"
 #include "client/library/client_call.h"
 #include "client/library/error_details.h"
+#include "client/library/thrown_status.h"
 #include "core/base/printable.h"
 
 namespace tet {
@@ -83,8 +84,7 @@ class Submitter {
 
   SubmitResult run() {
     std::vector<std::jthread> workers;
-    for (std::size_t i = 0; i < uploading_.size(); ++i) {
-      workers.emplace_back([this, i] { work(i); });
+    for (std::size_t i = 0; i < uploading_.size() && start(workers, i); ++i) {
     }
     workers.clear();  // waits for them
     const bool all_done = next_.load() >= orders_.size();
@@ -93,6 +93,26 @@ class Submitter {
   }
 
  private:
+  /// False where the system gives no more threads: fewer do the same.
+  bool start(std::vector<std::jthread>& workers, std::size_t worker) {
+    try {
+      workers.emplace_back([this, worker] { work_contained(worker); });
+      return true;
+    } catch (...) {
+      if (workers.empty()) stop(status_of_exception());
+      return false;
+    }
+  }
+
+  /// What is thrown out of a thread would end the process without a word.
+  void work_contained(std::size_t worker) {
+    try {
+      work(worker);
+    } catch (...) {
+      stop(status_of_exception());
+    }
+  }
+
   void work(std::size_t worker) {
     while (!stopped_.load() && !cancellation_.requested()) {
       const std::size_t i = next_.fetch_add(1);

@@ -1,6 +1,7 @@
 // A folder for files that nobody needs once a call is over.
 #pragma once
 
+#include <cerrno>
 #include <filesystem>
 #include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX
 #include <string>
@@ -18,12 +19,17 @@ class TemporaryFolder {
   /// Errors: kUnavailable (it cannot be made; says where).
   static absl::StatusOr<TemporaryFolder> make() {
     std::error_code error;
-    std::string path =
-        (std::filesystem::temp_directory_path(error) / "tetstream-XXXXXX").string();
-    if (error || ::mkdtemp(path.data()) == nullptr) {
-      return absl::UnavailableError(absl::StrCat("no temporary folder can be made at ", path));
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    if (error) {
+      return absl::UnavailableError(
+          absl::StrCat("no temporary folder can be made where TMPDIR says: ", error.message()));
     }
-    return TemporaryFolder(path);
+    std::string path = (parent / "tetstream-XXXXXX").string();
+    if (::mkdtemp(path.data()) != nullptr) return TemporaryFolder(path);
+    error.assign(errno, std::generic_category());
+    return absl::UnavailableError(
+        absl::StrCat("no temporary folder can be made in ", parent.string(),
+                     ", which TMPDIR may replace: ", error.message()));
   }
   ~TemporaryFolder() {
     std::error_code ignored;
