@@ -15,8 +15,8 @@
 #include "client/command/mesh_arguments.h"
 #include "client/command/mesh_maker.h"
 #include "client/command/mesh_report.h"
+#include "client/command/output_places.h"
 #include "client/command/placed_array.h"
-#include "client/command/report_place.h"
 #include "client/command/scene_input.h"
 #include "client/command/stopwatch.h"
 #include "client/command/use_shape.h"
@@ -144,7 +144,7 @@ absl::Status check_options(const MeshArguments& arguments, const MeshOptions& op
   if (status.ok()) status = check_cache(options);
   if (status.ok()) status = check_order(options);
   if (status.ok()) status = check_output(options);
-  if (status.ok()) status = check_report_place(arguments, options);
+  if (status.ok()) status = check_output_places(arguments, options);
   return status;
 }
 

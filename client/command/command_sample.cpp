@@ -15,6 +15,8 @@
 #include "client/command/mesh_arguments.h"
 #include "client/command/mesh_input.h"
 #include "client/command/mesh_report.h"
+#include "client/command/option_rules.h"
+#include "client/command/output_places.h"
 #include "client/command/prepare_request.h"
 #include "client/command/read_shape.h"
 #include "client/command/request_options.h"
@@ -49,6 +51,12 @@ struct SampleCommand {
   std::string points;
 };
 
+std::vector<std::string> files_read(const SampleCommand& command, const MeshOptions& options) {
+  std::vector<std::string> files{options.input, command.points};
+  for (const VertexField& field : options.request.fields) files.push_back(field.file);
+  return files;
+}
+
 absl::StatusOr<MeshOptions> understand(const SampleCommand& command) {
   MeshOptions options = command.options;
   absl::StatusOr<MeshRequest> request = understand_request(command.request);
@@ -66,6 +74,7 @@ absl::StatusOr<MeshOptions> understand(const SampleCommand& command) {
   if (!status.ok()) return status;
   return options;
 }
+  if (status.ok()) status = check_takes_no_place(options.output, files_read(command, options));
 
 /// A name as a column of a .csv has it.
 std::string csv_name(const std::string& name) {

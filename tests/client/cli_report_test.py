@@ -41,6 +41,15 @@ class Reports(CommandTest):
         for drawing in text.split("<svg")[1:]:
             xml.dom.minidom.parseString("<svg" + drawing.split("</svg>")[0] + "</svg>")
 
+    def test_stay_where_their_page_would_take_their_place(self):
+        self.report()
+        report = self.out / "report.json"
+        before = report.read_bytes()
+        result = self.tetstream("report", report, "-o", report)
+        self.assertEqual(result.returncode, REFUSED, result.stderr)
+        self.assertIn("take the place of", result.stderr)
+        self.assertEqual(report.read_bytes(), before)
+
     def test_are_refused_where_there_is_none(self):
         page = self.out / "page.html"
         mesh = self.inputs / "sphere.vdb"

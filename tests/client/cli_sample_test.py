@@ -58,6 +58,40 @@ class Sample(CommandTest):
         self.points.write_text("1 2 3\n1 2\n")
         self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 2", "three")
         self.points.write_text("1 2 nan\n")
+    def test_refuses_a_grid_of_what_has_none(self):
+        (self.inputs / "ball.json").write_text(json.dumps(
+            {"nodes": [{"name": "ball", "sphere": {"radius": 1}}]}))
+        self.assert_fails(self.sample("ball.json", "--grid", "skin"), REFUSED, "scene", "--grid")
+
+    def test_refuses_to_take_the_place_of_what_it_reads(self):
+        for output in (self.inputs / "sphere.vdb", self.points):
+            before = output.read_bytes()
+            result = self.tetstream("sample", self.inputs / "sphere.vdb", self.points, "-o", output)
+            self.assert_fails(result, REFUSED, "take the place of", output.name)
+            self.assertEqual(output.read_bytes(), before)
+
+    def test_tells_nothing_of_no_points(self):
+        self.points.write_text("")
+        result = self.sample("sphere.vdb")
+        self.assert_done(result)
+        self.assertIn("0 points", result.stdout)
+
+    def test_reads_points_of_a_pipe_until_it_is_interrupted(self):
+        pipe = self.inputs / "pipe"
+        os.mkfifo(pipe)
+        command = [binaries() / "tetstream", "sample", self.inputs / "sphere.vdb", pipe, "-o", self.out / "s.csv"]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        with open(pipe, "w", encoding="utf-8") as points:
+            points.write("0 0 0\n")
+        self.assertEqual(process.communicate(timeout=GENEROUS_END), (f"{self.out}/s.csv: 1 points\n", ""))
+        (self.out / "s.csv").unlink()
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: catches(process, signal.SIGINT))
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=GENEROUS_END)
+        self.assertEqual(process.returncode, 130)
+        self.assert_nothing_written()
+
         self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 1")
         self.assert_fails(self.sample("sphere.vdb", "--inside", "out"), USAGE, "--inside")
 

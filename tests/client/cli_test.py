@@ -197,6 +197,26 @@ class Refusals(CommandTest):
         result = self.tetstream("mesh", self.inputs / "sphere.vdb", "-o", link)
         self.assert_fails(result, REFUSED, "not a regular file")
 
+    def test_a_mesh_that_would_take_the_place_of_what_it_is_made_of(self):
+        link = self.inputs / "link.vtu"
+        link.symlink_to("sphere.vdb")
+        cube = self.inputs / "cube.obj"
+        cube.write_text(CUBE + LID)
+        sizes = self.inputs / "sizing.ply"
+        sizes.write_text('{"growth": 0.5}')
+        scene = self.inputs / "scene.json"
+        scene.write_text(json.dumps({"nodes": [{"name": "a", "grid": {"name": "sphere.vdb"}}]}))
+        sphere = self.inputs / "sphere.vdb"
+        before = {path: path.read_bytes() for path in (cube, sphere, sizes)}
+        for source, output, *options in ((cube, cube), (sphere, link), (scene, link),
+                                         (sphere, sphere, "--format", "vtu"),
+                                         (sphere, sizes, "--sizing", sizes)):
+            with self.subTest(output=output.name, source=source.name):
+                result = self.tetstream("mesh", source, "-o", output, *options)
+                self.assert_fails(result, REFUSED, "would take the place of", "name another file")
+        for path, text in before.items():
+            self.assertEqual(path.read_bytes(), text)
+
     def test_report_that_cannot_be_written(self):
         result = self.mesh("sphere.vdb", ".vtu", "--report", "/nowhere/report.json")
         self.assert_fails(result, REFUSED, "/nowhere/report.json")

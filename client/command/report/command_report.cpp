@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/command/command.h"
+#include "client/command/output_places.h"
 #include "client/command/report/report_page.h"
 #include "client/library/text_file.h"
 #include "core/base/posix/atomic_file.h"
@@ -28,7 +29,10 @@ struct ReportOptions {
 
 absl::Status run_report(const ReportOptions& options) {
   if (auto status = check_can_create(options.output); !status.ok()) return status;
-  const absl::StatusOr<std::string> text = read_text_file(options.report);
+  if (auto status = check_takes_no_place(options.output, {options.report}); !status.ok()) {
+    return status;
+  }
+  const absl::StatusOr<std::string> text = read_text_file(options.report, interruption);
   if (!text.ok()) return text.status();
   const std::string& title = options.title.empty() ? options.report : options.title;
   const absl::StatusOr<std::string> page = report_page(*text, title);
