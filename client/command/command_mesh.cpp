@@ -169,20 +169,40 @@ absl::Status with_hint_of_labels(const MeshOptions& options, const absl::Status&
   return hinted;
 }
 
-/// Does what needs the shape beside the mesh.
-absl::Status use_shape(const MeshOptions& options,
-                       MadeMesh& made,
-                       ProgressBar& bar,
-                       const Cancellation& interruption) {
-  absl::Status status;
-  if (options.order > 1) status = add_middle_nodes(options, made, bar, interruption);
-  if (status.ok() && !options.report.empty()) {
-    status = options.request.labels ? add_voxel_volumes(options, made, bar, interruption)
-                                    : check_fidelity(options, made, bar, interruption);
-  }
+/// The shape is of no more use.
+void let_shape_go(MadeMesh& made) {
   made.shape.reset();
   made.fields.clear();
-  return status;
+}
+
+/// Does what the mesh's file needs the shape for, and writes it.
+absl::Status write_mesh(const MeshOptions& options,
+                        MadeMesh& made,
+                        ProgressBar& bar,
+                        const Cancellation& interruption) {
+  absl::Status status;
+  if (options.order > 1) status = add_middle_nodes(options, made, bar, interruption);
+  if (options.report.empty()) let_shape_go(made);
+  if (!status.ok()) return status;
+  const auto output = mesh_output(options.output, options.format);
+  if (!output.ok()) return output.status();
+  return write_made_mesh(*output, made, bar, interruption);
+}
+
+/// Measures for the report what takes the shape. That is as long as meshing and takes memory of
+/// its own: the mesh, which may be of hours, has its file before.
+absl::Status measure_for_report(const MeshOptions& options,
+                                MadeMesh& made,
+                                ProgressBar& bar,
+                                const Cancellation& interruption) {
+  if (options.report.empty()) return absl::OkStatus();
+  const absl::Status status = options.request.labels
+                                  ? add_voxel_volumes(options, made, bar, interruption)
+                                  : check_fidelity(options, made, bar, interruption);
+  let_shape_go(made);
+  if (status.ok()) return status;
+  return absl::Status(status.code(), absl::StrCat(status.message(), "; ", options.output,
+                                                  " is there, but no report"));
 }
 
 absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interruption) {
@@ -201,13 +221,11 @@ absl::Status run_mesh(const MeshArguments& arguments, const Cancellation& interr
     made = make_mesh(*options, bar, interruption);
     if (!made.ok()) return with_hint_of_labels(*options, made.status());
     made->cuts_inside = options->request.box || options->request.iso;
-    const absl::Status finished = use_shape(*options, *made, bar, interruption);
-    if (!finished.ok()) return finished;
-    const auto output = mesh_output(options->output, options->format);
-    if (!output.ok()) return output.status();
     absl::Status written;
-    pool.run([&] { written = write_made_mesh(*output, *made, bar, interruption); });
+    pool.run([&] { written = write_mesh(*options, *made, bar, interruption); });
     if (!written.ok()) return written;
+    const absl::Status measured = measure_for_report(*options, *made, bar, interruption);
+    if (!measured.ok()) return measured;
   }
   const double seconds = watch.seconds();
   if (!options->report.empty()) {

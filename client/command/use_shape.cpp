@@ -1,12 +1,16 @@
 #include "client/command/use_shape.h"
 
+#include <new>
 #include <string>
 #include <utility>
+
+#include <absl/strings/str_cat.h>
 
 #include "client/command/label_report.h"
 #include "client/command/read_shape.h"
 #include "client/command/stopwatch.h"
 #include "core/base/parallel.h"
+#include "core/base/printable.h"
 #include "core/second_order/second_order.h"
 
 namespace tet {
@@ -24,6 +28,16 @@ absl::Status need_shape(const MeshOptions& options,
   if (!read.ok()) return read.status();
   made.shape = std::move(read->shape);
   return absl::OkStatus();
+}
+
+/// What `measure` returns, or that memory ended meanwhile: the mesh needs none of it.
+template <class Measure>
+absl::Status caught(const Measure& measure) {
+  try {
+    return measure();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("there is not enough memory");
+  }
 }
 
 }  // namespace
@@ -54,10 +68,18 @@ absl::Status add_voxel_volumes(const MeshOptions& options,
                                const Cancellation& interruption) {
   if (!made.voxel_volumes.empty()) return absl::OkStatus();
   TaskPool pool(options.threads);
-  if (auto status = need_shape(options, pool, bar, interruption, made); !status.ok()) {
-    return status;
+  const absl::Status added = caught([&] {
+    absl::Status read = need_shape(options, pool, bar, interruption, made);
+    if (read.ok()) made.voxel_volumes = voxel_volumes_of(*made.shape, options.request);
+    return read;
+  });
+  if (auto status = check_cancelled(interruption); !status.ok()) return status;
+  if (!added.ok()) {
+    bar.say_lines(
+        for_terminal(absl::StrCat("note: the report does not tell the volumes of the voxels: ",
+                                  added.message())),
+        stderr);
   }
-  made.voxel_volumes = voxel_volumes_of(*made.shape, options.request);
   return absl::OkStatus();
 }
 
@@ -67,22 +89,19 @@ absl::Status check_fidelity(const MeshOptions& options,
                             const Cancellation& interruption) {
   const Stopwatch watch;
   TaskPool pool(options.threads);
-  const absl::Status read = need_shape(options, pool, bar, interruption, made);
-  absl::StatusOr<std::vector<Fidelity>> measured =
-      read.ok() ? absl::UnknownError("not measured") : read;
-  if (read.ok()) {
+  const absl::Status measured = caught([&] {
+    if (auto read = need_shape(options, pool, bar, interruption, made); !read.ok()) return read;
     bar.begin("checking");
+    absl::StatusOr<std::vector<Fidelity>> fidelity = absl::UnknownError("not measured");
     pool.run([&] {
-      measured = measure_fidelity(made.mesh, *made.shape, options.request, interruption);
+      fidelity = measure_fidelity(made.mesh, *made.shape, options.request, interruption);
     });
-  }
+    if (fidelity.ok()) made.fidelity = *std::move(fidelity);
+    return fidelity.status();
+  });
   if (auto status = check_cancelled(interruption); !status.ok()) return status;
   made.stages.push_back({"checking", watch.seconds()});
-  if (measured.ok()) {
-    made.fidelity = *std::move(measured);
-  } else {
-    made.fidelity_missing = std::string(measured.status().message());
-  }
+  if (!measured.ok()) made.fidelity_missing = std::string(measured.message());
   return absl::OkStatus();
 }
 

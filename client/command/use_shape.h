@@ -16,7 +16,7 @@ absl::Status add_middle_nodes(const MeshOptions& options,
                               const Cancellation& interruption);
 
 /// Adds the volumes of a segmentation's voxels to a mesh that a server made: the input is read
-/// here. Errors: those of reading it.
+/// here. A report comes without where it cannot be, and a note says why. Errors: kCancelled.
 absl::Status add_voxel_volumes(const MeshOptions& options,
                                MadeMesh& made,
                                ProgressBar& bar,

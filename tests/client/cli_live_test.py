@@ -69,6 +69,29 @@ class Interruption(CommandTest):
         self.assertEqual(code, 130, errors)
         self.assert_nothing_written()
 
+    def interrupt_while_checking(self, spacing):
+        """The mesh has its file, so it must be measuring for the report; then the signal comes."""
+        mesh = self.out / "m.vtu"
+        process = subprocess.Popen(
+            [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb", "-o", mesh, "--spacing", str(spacing),
+             "--report", self.out / "r.json"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait_until(lambda: process.poll() is not None or mesh.exists())
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=GENEROUS_END)
+        return process.returncode, errors
+
+    def test_while_measuring_for_the_report_leaves_the_mesh(self):
+        for spacing in (0.03, 0.02, 0.015, 0.01):
+            code, errors = self.interrupt_while_checking(spacing)
+            if code != DONE:
+                break
+            (self.out / "m.vtu").unlink()  # the signal came too late: a larger one takes longer
+            (self.out / "r.json").unlink()
+        self.assertEqual(code, 130, errors)
+        self.assertIn("m.vtu is there, but no report", errors)
+        self.assertEqual([path.name for path in self.out.iterdir()], ["m.vtu"])
+
     def test_stops_conversions_at_once(self):
         (self.inputs / "cube.obj").write_text(CUBE + LID)
         for command in (("convert", self.inputs / "cube.obj", self.out / "cube.vdb"),
