@@ -142,7 +142,7 @@ absl::StatusOr<PointSamples> sample_on_server(const MeshOptions& options,
 absl::Status run_sample(const SampleCommand& command, const Cancellation& interruption) {
   const absl::StatusOr<MeshOptions> options = understand(command);
   if (!options.ok()) return options.status();
-  const absl::StatusOr<std::string> text = read_text_file(command.points);
+  const absl::StatusOr<std::string> text = read_text_file(command.points, interruption);
   if (!text.ok()) return text.status();
   const auto points = read_points(*text);
   if (!points.ok()) return about(command.points, points.status());

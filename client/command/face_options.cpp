@@ -13,6 +13,7 @@
 #include <absl/strings/str_split.h>
 #include <absl/strings/string_view.h>
 
+#include "client/command/interruption.h"
 #include "client/library/text_file.h"
 #include "core/plan/check_face_regions.h"
 #include "proto/convert/face_regions.h"
@@ -145,7 +146,8 @@ absl::StatusOr<FaceRegion> parse_face(const std::string& option) {
 
 absl::StatusOr<std::vector<FaceRegion>> read_regions(const std::string& option) {
   const bool is_text = absl::StartsWith(option, "{");
-  const auto json = is_text ? absl::StatusOr<std::string>(option) : read_text_file(option);
+  const auto json = is_text ? absl::StatusOr<std::string>(option)
+                            : read_text_file(option, user_interruption());
   if (!json.ok()) return json.status();
   auto regions = face_regions_from_json(*json);
   if (!regions.ok()) return about(is_text ? "--face" : option, regions.status());

@@ -28,6 +28,8 @@ const Cancellation& watch_for_interruption() {
   return interrupted_by_user;
 }
 
+const Cancellation& user_interruption() noexcept { return interrupted_by_user; }
+
 int interrupting_signal() noexcept { return first_signal.load(); }
 
 }  // namespace tet

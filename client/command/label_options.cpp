@@ -6,6 +6,7 @@
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/command/interruption.h"
 #include "client/library/label_table.h"
 #include "client/library/text_file.h"
 
@@ -65,7 +66,7 @@ absl::Status understand_size(const std::string& text, LabelChoice& choice) {
 
 absl::Status read_names(const std::string& path, LabelChoice& choice) {
   if (path.empty()) return absl::OkStatus();
-  const absl::StatusOr<std::string> text = read_text_file(path);
+  const absl::StatusOr<std::string> text = read_text_file(path, user_interruption());
   if (!text.ok()) return text.status();
   absl::StatusOr<std::vector<LabelName>> names = parse_label_table(*text);
   if (!names.ok()) return about(path, names.status());

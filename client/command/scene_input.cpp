@@ -10,6 +10,7 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/command/interruption.h"
 #include "client/command/volume_file.h"
 #include "client/library/text_file.h"
 #include "proto/scene/scene_message.h"
@@ -21,7 +22,7 @@ namespace {
 namespace v1 = ::tetstream::v1;
 
 absl::StatusOr<v1::Scene> read_message(const std::string& path) {
-  const absl::StatusOr<std::string> text = read_text_file(path);
+  const absl::StatusOr<std::string> text = read_text_file(path, user_interruption());
   if (!text.ok()) return text.status();
   absl::StatusOr<v1::Scene> message = scene_from_json(*text);
   if (!message.ok()) return about(path, message.status());

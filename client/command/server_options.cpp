@@ -1,11 +1,14 @@
 #include "client/command/server_options.h"
 
 #include <algorithm>
-#include <fstream>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
+
+#include "client/command/interruption.h"
+#include "client/library/text_file.h"
 
 namespace tet {
 namespace {
@@ -14,15 +17,15 @@ constexpr const char* kGroup = "Server";
 
 /// The file's only line.
 absl::StatusOr<std::string> read_token(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return absl::NotFoundError(absl::StrCat("cannot read the token in ", path));
-  std::string token, rest;
-  std::getline(file, token);
-  file >> rest;
-  absl::StripAsciiWhitespace(&token);
+  const absl::StatusOr<std::string> text = read_text_file(path, user_interruption());
+  if (!text.ok())
+    return absl::Status(text.status().code(),
+                        absl::StrCat("the token: ", text.status().message()));
+  std::string token(absl::StripAsciiWhitespace(*text));
+  // Which a line's end is not.
   const bool printable = std::all_of(token.begin(), token.end(),
                                      [](unsigned char c) { return absl::ascii_isgraph(c); });
-  if (!token.empty() && printable && rest.empty()) return token;
+  if (!token.empty() && printable) return token;
   return absl::InvalidArgumentError(absl::StrCat(path, " is not one line with a token"));
 }
 

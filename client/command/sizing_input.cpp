@@ -5,6 +5,7 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 
+#include "client/command/interruption.h"
 #include "client/library/text_file.h"
 #include "proto/sizing/sizing_message.h"
 
@@ -27,9 +28,9 @@ absl::StatusOr<Sizing> read_sizing(const SizingArguments& arguments) {
   Sizing sizing;
   if (!arguments.sizing.empty()) {
     const bool is_text = absl::StartsWith(arguments.sizing, "{");
-    const absl::StatusOr<std::string> json = is_text
-                                                 ? absl::StatusOr<std::string>(arguments.sizing)
-                                                 : read_text_file(arguments.sizing);
+    const absl::StatusOr<std::string> json =
+        is_text ? absl::StatusOr<std::string>(arguments.sizing)
+                : read_text_file(arguments.sizing, user_interruption());
     if (!json.ok()) return json.status();
     absl::StatusOr<Sizing> parsed = parse_sizing(*json);
     if (!parsed.ok()) return about(is_text ? "--sizing" : arguments.sizing, parsed.status());

@@ -6,9 +6,13 @@
 import csv
 import json
 import math
+import os
+import signal
+import subprocess
 import unittest
 
-from command_case import REFUSED, USAGE, CommandTest, ServerTest
+from command_case import (
+    GENEROUS_END, REFUSED, USAGE, CommandTest, ServerTest, binaries, catches, wait_until)
 
 POINTS = [(0.9, 0, 0), (0, -1.05, 0), (0.3, 0.4, 0.9), (0.6, -0.6, 0.5)]
 
@@ -54,10 +58,6 @@ class Sample(CommandTest):
         for row in self.rows():
             self.assertTrue(math.isfinite(row["T"]))
 
-    def test_refuses_what_is_no_point(self):
-        self.points.write_text("1 2 3\n1 2\n")
-        self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 2", "three")
-        self.points.write_text("1 2 nan\n")
     def test_refuses_a_grid_of_what_has_none(self):
         (self.inputs / "ball.json").write_text(json.dumps(
             {"nodes": [{"name": "ball", "sphere": {"radius": 1}}]}))
@@ -92,6 +92,10 @@ class Sample(CommandTest):
         self.assertEqual(process.returncode, 130)
         self.assert_nothing_written()
 
+    def test_refuses_what_is_no_point(self):
+        self.points.write_text("1 2 3\n1 2\n")
+        self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 2", "three")
+        self.points.write_text("1 2 nan\n")
         self.assert_fails(self.sample("sphere.vdb"), REFUSED, "line 1")
         self.assert_fails(self.sample("sphere.vdb", "--inside", "out"), USAGE, "--inside")
 

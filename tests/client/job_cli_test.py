@@ -52,6 +52,20 @@ class JobUsage(CommandTest):
             with self.subTest(arguments):
                 self.assert_fails(self.tetstream(*arguments), USAGE, *words)
 
+    def test_ctrl_c_ends_a_command_that_reads_what_a_pipe_brings(self):
+        server = ("--server", f"127.0.0.1:{unused_port()}")
+        for command in (("wait", "-"), ("submit", "--manifest", "-")):
+            process = subprocess.Popen([binaries() / "tetstream", "job", *command, *server], stdin=subprocess.PIPE,
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            wait_until(lambda: catches(process, signal.SIGINT))  # noqa: B023
+            process.stdin.write("a.vdb\n")
+            process.stdin.flush()
+            process.send_signal(signal.SIGINT)
+            with process.stdin:  # which stays open until it has ended
+                self.assertEqual(process.wait(GENEROUS_END), 130, process.stderr.read())
+            process.stdout.close()
+            process.stderr.close()
+
     def test_what_is_refused_before_the_server_is_asked(self):
         (self.out / "in").mkdir()
         manifest = self.out / "in" / "manifest"
@@ -139,6 +153,14 @@ class JobSubmit(JobTest):
         self.assertIn("2 of 3 submitted", result.stderr)
         self.assertEqual(len(self.list("--label", "some=bad")), 2)
 
+    def test_says_what_is_wrong_with_the_folder_of_temporary_files(self):
+        (self.out / "cube.obj").write_text(CUBE + LID)
+        environment = {**self.environment, "TMPDIR": str(self.out / "nowhere")}
+        result = self.tetstream("job", "submit", self.out / "cube.obj", "--server", self.address, env=environment)
+        self.assertEqual(result.returncode, SERVER, result.stderr)
+        self.assertIn("TMPDIR", result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
     def test_takes_all_that_a_job_can_say(self):
         names = self.submit(
             self.inputs / "sphere.vdb", "--name", "ball", "--label", "a=b=c", "--label", "part=ear",
@@ -153,14 +175,6 @@ class JobSubmit(JobTest):
         self.assertEqual(job["mesh"]["iso"], 0.05)
 
     def test_a_manifest_has_a_job_a_line(self):
-    def test_says_what_is_wrong_with_the_folder_of_temporary_files(self):
-        (self.out / "cube.obj").write_text(CUBE + LID)
-        environment = {**self.environment, "TMPDIR": str(self.out / "nowhere")}
-        result = self.tetstream("job", "submit", self.out / "cube.obj", "--server", self.address, env=environment)
-        self.assertEqual(result.returncode, SERVER, result.stderr)
-        self.assertIn("TMPDIR", result.stderr)
-        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
-
         manifest = self.out / "jobs.txt"
         ball = self.inputs / "sphere.vdb"
         manifest.write_text(

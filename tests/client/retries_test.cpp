@@ -97,7 +97,7 @@ TEST_F(RetriesTest, SayThatTheDeadlinePassedOrTheCallWasCancelledWhileTheyWaited
       absl::IsNotFound(refused.again(absl::NotFoundError("no such job"), 0, nowhere_, {})));
 }
 
-/// Of a server that nobody has started each attempt fails at once, so that the deadline comes
+/// An attempt at a server that nobody has started fails at once, so that the deadline comes
 /// between two of them.
 TEST_F(RetriesTest, TellOfTheDeadlineWhateverIsCalled) {
   const RetryPolicy slow{.attempts = 1000,

@@ -1,7 +1,7 @@
 // `tetstream job submit`
-#include <fstream>
-#include <iostream>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +13,7 @@
 #include "client/command/job/job_session.h"
 #include "client/command/job/manifest.h"
 #include "client/command/job/submit_jobs.h"
+#include "client/library/text_file.h"
 #include "core/base/printable.h"
 
 namespace tet {
@@ -65,16 +66,20 @@ void describe_options(CLI::App& app, SubmitArguments& arguments) {
   });
 }
 
-absl::StatusOr<std::vector<JobArguments>> manifest_jobs(const SubmitArguments& arguments) {
+absl::StatusOr<std::vector<JobArguments>> manifest_jobs(const SubmitArguments& arguments,
+                                                        const Cancellation& interruption) {
   if (arguments.manifest.empty()) return std::vector<JobArguments>();
-  if (arguments.manifest == "-") return read_manifest(std::cin, "-", arguments.job);
-  std::ifstream file(arguments.manifest);
-  if (!file) return absl::NotFoundError(absl::StrCat(arguments.manifest, " cannot be read"));
-  return read_manifest(file, arguments.manifest, arguments.job);
+  const absl::StatusOr<std::string> text =
+      arguments.manifest == "-" ? read_standard_input(interruption)
+                                : read_text_file(arguments.manifest, interruption);
+  if (!text.ok()) return text.status();
+  std::istringstream lines(*text);
+  return read_manifest(lines, arguments.manifest, arguments.job);
 }
 
-absl::StatusOr<std::vector<JobOrder>> understand_orders(const SubmitArguments& arguments) {
-  auto jobs = manifest_jobs(arguments);
+absl::StatusOr<std::vector<JobOrder>> understand_orders(const SubmitArguments& arguments,
+                                                        const Cancellation& interruption) {
+  auto jobs = manifest_jobs(arguments, interruption);
   if (!jobs.ok()) return jobs.status();
   for (const std::string& input : arguments.inputs) {
     jobs->push_back(arguments.job);
@@ -134,7 +139,7 @@ absl::Status outcome_of(const SubmitResult& result,
 }
 
 absl::Status run_submit(const SubmitArguments& arguments, const Cancellation& interruption) {
-  const auto orders = understand_orders(arguments);
+  const auto orders = understand_orders(arguments, interruption);
   if (!orders.ok()) return orders.status();
   const auto session = JobSession::open(arguments.session);
   if (!session.ok()) return session.status();

@@ -1,7 +1,6 @@
 #include "client/command/job/job_selection.h"
 
 #include <algorithm>
-#include <iostream>
 #include <set>
 #include <utility>
 
@@ -17,6 +16,7 @@
 
 #include "client/command/job/job_json.h"
 #include "client/command/job/journal.h"
+#include "client/library/text_file.h"
 #include "proto/convert/times.h"
 
 namespace tet {
@@ -64,10 +64,11 @@ std::string name_in(const std::string& line) {
   return words.empty() ? "" : words.front();
 }
 
-std::vector<std::string> read_names(std::istream& input) {
+std::vector<std::string> names_in(const std::string& text) {
   std::vector<std::string> names;
-  for (std::string line; std::getline(input, line);) {
-    if (std::string name = name_in(line); !name.empty()) names.push_back(std::move(name));
+  for (const absl::string_view line : absl::StrSplit(text, '\n')) {
+    if (std::string name = name_in(std::string(line)); !name.empty())
+      names.push_back(std::move(name));
   }
   return names;
 }
@@ -85,14 +86,17 @@ std::vector<std::string> each_once(const std::vector<std::string>& names) {
   return once;
 }
 
-absl::StatusOr<std::vector<std::string>> named_jobs(const SelectionArguments& arguments) {
+absl::StatusOr<std::vector<std::string>> named_jobs(const SelectionArguments& arguments,
+                                                    const Cancellation& cancellation) {
   std::vector<std::string> names;
   for (const std::string& name : arguments.names) {
     if (name != "-") {
       names.push_back(full_name(name));
       continue;
     }
-    for (const std::string& read : read_names(std::cin)) names.push_back(full_name(read));
+    const absl::StatusOr<std::string> text = read_standard_input(cancellation);
+    if (!text.ok()) return text.status();
+    for (const std::string& read : names_in(*text)) names.push_back(full_name(read));
   }
   if (arguments.journal.empty()) return names;
   const auto journal = jobs_of_journal(arguments.journal);
@@ -174,7 +178,6 @@ void describe_selection(CLI::App& app, SelectionArguments& arguments) {
                        arguments.names.empty() ? "--journal" : "their names", ", or ",
                        arguments.all ? "--all" : "--state, --label and their like"));
     }
-    throw CLI::RequiredError("which jobs? Their names, --label and its like, or --all");
   });
 }
 
@@ -183,7 +186,7 @@ absl::StatusOr<std::vector<std::string>> select_jobs(JobClient& client,
                                                      const Cancellation& cancellation) {
   const auto filter = understand_filter(arguments.filter);
   if (!filter.ok()) return filter.status();
-  auto names = named_jobs(arguments);
+  auto names = named_jobs(arguments, cancellation);
   if (!names.ok()) return names.status();
   if (arguments.all || !arguments.filter.empty()) {
     const absl::Status status = for_each_job(

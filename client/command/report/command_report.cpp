@@ -27,7 +27,7 @@ struct ReportOptions {
   std::string report, output, title;
 };
 
-absl::Status run_report(const ReportOptions& options) {
+absl::Status run_report(const ReportOptions& options, const Cancellation& interruption) {
   if (auto status = check_can_create(options.output); !status.ok()) return status;
   if (auto status = check_takes_no_place(options.output, {options.report}); !status.ok()) {
     return status;
@@ -52,7 +52,9 @@ Command add_report_command(CLI::App& app) {
   app.add_option("-o,--output", options->output, "The page, HTML")->required();
   app.add_option("--title", options->title, "Its heading [the report's path]")
       ->type_name("TEXT");
-  return [options](const Cancellation& /*interruption*/) { return run_report(*options); };
+  return [options](const Cancellation& interruption) {
+    return run_report(*options, interruption);
+  };
 }
 
 }  // namespace tet

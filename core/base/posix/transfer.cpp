@@ -34,6 +34,13 @@ std::int64_t read_all_at(int descriptor,
   return done == 0 && last < 0 ? -1 : static_cast<std::int64_t>(done);
 }
 
+std::int64_t read_what_came(int descriptor, std::span<char> into) noexcept {
+  for (;;) {
+    const ssize_t count = ::read(descriptor, into.data(), into.size());
+    if (count >= 0 || errno != EINTR) return count;
+  }
+}
+
 bool write_all_at(int descriptor,
                   std::uint64_t offset,
                   std::span<const std::byte> bytes) noexcept {

@@ -14,6 +14,10 @@ std::int64_t read_all_at(int descriptor,
                          std::uint64_t offset,
                          std::span<std::byte> into) noexcept;
 
+/// Reads what has come, of a pipe for instance, and says how many bytes: 0 at the end, or -1 on
+/// failure, also where nothing has come to a descriptor that does not wait (EAGAIN).
+std::int64_t read_what_came(int descriptor, std::span<char> into) noexcept;
+
 /// Writes all of `bytes` at `offset`. On failure it is false, `errno` tells why, and some of
 /// the bytes may have been written.
 bool write_all_at(int descriptor,
