@@ -67,14 +67,17 @@ absl::StatusOr<MeshOptions> understand(const SampleCommand& command) {
   absl::StatusOr<ChannelOptions> channel = understand_server(command.server);
   if (!channel.ok()) return channel.status();
   options.channel = *std::move(channel);
-  absl::Status status = check_mesh_input({options.input, options.grids, options.surface});
+  const MeshInput input{options.input, options.grids, options.surface};
+  absl::Status status = check_features(
+      features_of(options.request, input).add(Feature::kPoints), option_names(options.request));
+  if (status.ok()) status = check_mesh_input(input);
   if (status.ok()) status = check_field_files(options.request.fields, options.input);
   if (status.ok()) status = check_trust(options);
   if (status.ok()) status = check_can_create(options.output);
+  if (status.ok()) status = check_takes_no_place(options.output, files_read(command, options));
   if (!status.ok()) return status;
   return options;
 }
-  if (status.ok()) status = check_takes_no_place(options.output, files_read(command, options));
 
 /// A name as a column of a .csv has it.
 std::string csv_name(const std::string& name) {
@@ -177,6 +180,7 @@ Command add_sample_command(CLI::App& app) {
       ->required();
   app.add_option("--grid", command->request.grids, "Grid of the .vdb [its only meshable one]")
       ->type_name("NAME")
+      ->allow_extra_args(false)
       ->expected(1);
   app.add_option("--iso", command->request.request.iso,
                  "Value of the surface [0; 0.5 for fog volumes]");
