@@ -30,13 +30,17 @@ class PlayedJobs final : public v1::JobService::Service {
   Watch watch;
   bool begins_watches = true;  ///< else it is as a proxy before a server that hangs
 
-  std::shared_ptr<Connection> connect(RetryPolicy retry) {
+  /// The address that it serves from then on.
+  std::string listen() {
     grpc::ServerBuilder builder;
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(this);
     server_ = builder.BuildAndStart();
-    const auto connection = Connection::open("127.0.0.1:" + std::to_string(port), {}, retry);
+    return "127.0.0.1:" + std::to_string(port);
+  }
+  std::shared_ptr<Connection> connect(RetryPolicy retry) {
+    const auto connection = Connection::open(listen(), {}, retry);
     EXPECT_TRUE(connection.ok()) << connection.status();
     return *connection;
   }

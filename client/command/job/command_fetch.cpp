@@ -85,6 +85,19 @@ std::string file_stem(const v1::Job& job) {
   return name.empty() ? id : absl::StrCat(name, "-", id);
 }
 
+/// Whether the reply is about the job that was asked for. Its name becomes a part of a file's,
+/// and so must hold nothing that leads out of the folder. Errors: kDataLoss.
+absl::Status check_same_job(const v1::Job& job, const std::string& asked) {
+  constexpr std::string_view kPrefix = "jobs/", kDigits = "0123456789abcdef";
+  constexpr std::size_t kIdDigits = 24;
+  const bool is_job = asked.starts_with(kPrefix) &&
+                      asked.size() == kPrefix.size() + kIdDigits &&
+                      asked.find_first_not_of(kDigits, kPrefix.size()) == std::string::npos;
+  if (is_job && job.name() == asked) return absl::OkStatus();
+  return absl::DataLossError(absl::StrCat("the server sent job '", for_terminal(job.name()),
+                                          "' where ", asked, " was asked for"));
+}
+
 /// Where the mesh of a job goes, and as what.
 absl::StatusOr<MeshOutput> output_for(const FetchArguments& arguments, const v1::Job& job) {
   if (!arguments.output.empty()) return mesh_output(arguments.output, arguments.format);
@@ -108,6 +121,7 @@ class Fetcher {
     }
     const auto job = session_.jobs.get(name, cancellation_);
     if (!job.ok()) return job.status();
+    if (auto status = check_same_job(*job, name); !status.ok()) return status;
     const auto output = output_for(arguments_, *job);
     if (!output.ok()) return output.status();
     if (arguments_.output.empty() && fs::exists(output->path)) {

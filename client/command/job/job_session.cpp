@@ -55,6 +55,16 @@ absl::Status JobSession::outcome(std::size_t total) const {
   return status;
 }
 
+namespace {
+
+/// Whether other jobs would fail in the same way. Damage is one job's: a chunk of its result,
+/// or what was sent of it.
+bool is_of_the_server(const absl::Status& status) {
+  return exit_code_of(status.code()) == ExitCode::kServer && !absl::IsDataLoss(status);
+}
+
+}  // namespace
+
 absl::Status for_each_of(JobSession& session,
                          const std::vector<std::string>& names,
                          const std::function<absl::Status(const std::string&)>& act,
@@ -62,7 +72,7 @@ absl::Status for_each_of(JobSession& session,
   for (const std::string& name : names) {
     const absl::Status status = act(name);
     if (absl::Status cancelled = check(cancellation); !cancelled.ok()) return cancelled;
-    if (exit_code_of(status.code()) == ExitCode::kServer) return status;
+    if (is_of_the_server(status)) return status;
     if (status.ok()) continue;
     if (names.size() == 1 && !session.json) return status;  // which is told once
     session.failed(name, status);
