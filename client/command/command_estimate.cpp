@@ -60,6 +60,7 @@ absl::StatusOr<MeshEstimate> estimate_counted(const MeshOptions& options,
   const double seconds = watch.lap();
   const MeshHeader& header = (*plan)->header();
   const FillEstimate fill = estimate_fill(**plan, interruption);
+  if (auto status = check_cancelled(interruption); !status.ok()) return status;
   return MeshEstimate{header.vertex_count, header.tet_count,   fill.bytes, seconds,
                       fill.seconds,        header.inside_guess};
 }
