@@ -112,8 +112,9 @@ absl::Status move_to_output(const std::string& made, const ConvertOptions& optio
 }
 
 absl::Status convert_array(const ConvertOptions& options, const Cancellation& interruption) {
-  const ScratchDirectory scratch(folder_of_output(options));
-  const std::string made = scratch.file("made.nrrd");
+  const auto scratch = ScratchDirectory::make(folder_of_output(options));
+  if (!scratch.ok()) return scratch.status();
+  const std::string made = scratch->file("made.nrrd");
   const absl::Status status =
       place_array_abandonable(options.input, options.place, made, interruption);
   if (!status.ok()) return told_of_output(status, made, options);
@@ -127,8 +128,9 @@ absl::Status convert_array(const ConvertOptions& options, const Cancellation& in
 absl::Status run_convert(const ConvertOptions& options, const Cancellation& interruption) {
   if (auto status = check_options(options); !status.ok()) return status;
   if (is_array(options)) return convert_array(options, interruption);
-  const ScratchDirectory scratch(folder_of_output(options));
-  const std::string made = scratch.file("made.vdb");
+  const auto scratch = ScratchDirectory::make(folder_of_output(options));
+  if (!scratch.ok()) return scratch.status();
+  const std::string made = scratch->file("made.vdb");
   ProgressBar bar;
   bar.begin("converting");
   const absl::StatusOr<ConversionReport> report =

@@ -3,24 +3,29 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+
+#include <absl/status/statusor.h>
 
 namespace tet {
 
 class ScratchDirectory {
  public:
-  /// Within `parent`, whose files can then be renamed to and from it.
-  explicit ScratchDirectory(const std::filesystem::path& parent);
+  /// Within `parent`, whose files can then be renamed to and from it. Errors: of making it,
+  /// with the parent's path.
+  static absl::StatusOr<ScratchDirectory> make(const std::filesystem::path& parent);
   ~ScratchDirectory();
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
+  ScratchDirectory(ScratchDirectory&& other) noexcept;
+  ScratchDirectory& operator=(ScratchDirectory&&) = delete;
 
   std::string file(const std::string& name) const {
     return std::filesystem::path(path_) / name;
   }
 
  private:
-  std::string path_;
-  bool made_ = false;
+  explicit ScratchDirectory(std::string path) : path_(std::move(path)) {}
+
+  std::string path_;  ///< empty once it was moved away
 };
 
 }  // namespace tet
