@@ -1,5 +1,7 @@
 #include "client/library/label_table.h"
 
+#include <cstdint>
+#include <limits>
 #include <set>
 #include <string_view>
 
@@ -81,7 +83,11 @@ absl::Status add_member(const nlohmann::json& value,
                         const std::string& where,
                         NamesOfTable& names) {
   std::int64_t number = 0;
-  const bool is_number = value.is_number_integer();
+  // A number beyond 64 bits with a sign would become another label's.
+  const bool is_too_large =
+      value.is_number_unsigned() &&
+      value.get<std::uint64_t>() > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
+  const bool is_number = value.is_number_integer() && !is_too_large;
   if (is_number) number = value.get<std::int64_t>();
   const bool is_text = value.is_string() && absl::SimpleAtoi(value.get<std::string>(), &number);
   if (!(is_number || is_text) || !name.is_string()) {
