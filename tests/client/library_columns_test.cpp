@@ -28,5 +28,13 @@ TEST(LibraryColumns, HaveTheNumbersOfLabelsAndNotAsRegions) {
   EXPECT_EQ(to_public(mesh.header, "").labels.at(1).name, "marrow");
 }
 
+/// A server of another kind may say any number: none of them is success.
+TEST(LibraryStatus, OfACodeThatThereIsNotIsUnknown) {
+  for (const int code : {17, 256, 512, -256}) {
+    const absl::Status odd(static_cast<absl::StatusCode>(code), "odd");
+    EXPECT_EQ(to_public(odd).code(), StatusCode::kUnknown) << code;
+  }
+}
+
 }  // namespace
 }  // namespace tetstream

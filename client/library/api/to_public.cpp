@@ -99,7 +99,7 @@ Status to_public(const absl::Status& status) {
   if (status.ok()) return {};
   std::string reason = tet::failure_name(status);
   if (reason.empty()) reason = tet::reason_of_failure(status);
-  return Status(static_cast<StatusCode>(status.raw_code()), std::string(status.message()),
+  return Status(static_cast<StatusCode>(status.code()), std::string(status.message()),
                 std::move(reason))
       .with_details({.field = tet::field_of_failure(status),
                      .what = tet::metadata_of(status, "what"),
