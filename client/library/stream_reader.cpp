@@ -134,6 +134,7 @@ absl::Status StreamReader::resume(const v1::MeshHeader& header) {
   if (same_chunks) return absl::OkStatus();
   StreamReader anew(*consumer_, base_);
   anew.shared_ = shared_;
+  anew.cancellation_ = cancellation_;
   anew.told_.mesh_id = std::move(told_.mesh_id);  // which is still what is asked for
   *this = std::move(anew);
   return absl::UnavailableError(

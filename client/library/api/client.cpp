@@ -21,6 +21,9 @@ namespace {
 
 using Fraction = std::function<void(double)>;
 
+/// As good as for ever, and more than half of it again is a number, too.
+constexpr int kMostAttempts = 1'000'000;
+
 tet::v1::Encoding to_wire(Encoding encoding) {
   switch (encoding) {
     case Encoding::kPlain:
@@ -147,7 +150,7 @@ Client::Client(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 Result<Client> Client::connect(const std::string& address, const ClientOptions& options) {
   return guarded([&]() -> Result<Client> {
-    const int attempts = std::max(1, options.attempts);
+    const int attempts = std::clamp(options.attempts, 1, kMostAttempts);
     auto connected = tet::Connection::open(
         address, channel_options(options),
         {.attempts = attempts, .attempts_once_known = attempts + attempts / 2});
