@@ -1,12 +1,10 @@
 #include "core/vdb/grid_names.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <set>
 #include <string_view>
 
-#include <absl/strings/ascii.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
@@ -30,10 +28,6 @@ StoredName parse_name(const std::string& stored) {
   const std::size_t at = stored.find(kSuffixSeparator);
   StoredName name;
   name.text = as_utf8(stored.substr(0, at), kMaxGridNameBytes - kSuffixBytes);
-  const auto is_control = [](char c) {
-    return absl::ascii_iscntrl(static_cast<unsigned char>(c));
-  };
-  std::ranges::replace_if(name.text, is_control, '_');
   name.is_numbered = at != std::string::npos;
   if (!name.is_numbered) return name;
   const std::string suffix = stored.substr(at + 1);

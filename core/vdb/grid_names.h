@@ -11,9 +11,8 @@ namespace tet {
 /// most kMaxGridNameBytes.
 ///
 /// "name\x1e2", the third of that name, becomes "name[2]", or the next number where another
-/// grid is called so. A name that is not UTF-8 is read as Latin-1, and what controls a
-/// terminal, which no XML holds either, is `_`. Only a file's single grid keeps an empty name,
-/// which means any: among several it becomes "[0]".
+/// grid is called so. A name that is not UTF-8 is read as Latin-1. Only a file's single grid
+/// keeps an empty name, which means any: among several it becomes "[0]".
 std::vector<std::string> shown_names(std::span<const std::string> stored);
 
 }  // namespace tet

@@ -46,12 +46,6 @@ TEST(GridNames, AreUtf8) {
   EXPECT_TRUE(is_utf8(longest));
 }
 
-TEST(GridNames, ControlNoTerminal) {
-  const std::string nul("a\0c", 3);
-  EXPECT_THAT(shown_names(Names{"a\x01\nb", "a__b", nul, "a\x7f\x63"}),
-              ElementsAre("a__b", "a__b[0]", "a_c", "a_c[0]"));
-}
-
 TEST(GridNames, AreEmptyOnlyForASingleGrid) {
   EXPECT_THAT(shown_names(Names{""}), ElementsAre(""));
   EXPECT_THAT(shown_names(Names{"", "a"}), ElementsAre("[0]", "a"));
