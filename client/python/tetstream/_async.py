@@ -1,4 +1,7 @@
-"""The same calls for asyncio: each works on a thread, and is stopped where its task is cancelled."""
+"""The same calls for asyncio: each works on a thread, and is stopped where its task is cancelled.
+
+Calls of one kind never wait for threads that calls of another have, so that whatever waits can be ended.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +12,18 @@ import os
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from types import TracebackType
-from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
+from typing import Any, Concatenate, Generic, Literal, ParamSpec, Self, TypeVar
 
 from numpy.typing import ArrayLike
 
-from . import _tetstream
 from ._client import LOCAL, Client
+from ._errors import DeadlineExceededError, StatusCode
 from ._header import Header, Statistics
 from ._job import JobEvent
 from ._job_watch import JobWatch
 from ._jobs import Jobs
 from ._mesh import Chunk, Mesh
-from ._request import stop_of_context
+from ._request import Stop, stop_of_context, time_left
 from ._session import Session
 from ._share import Share
 from ._stable import StableMesh, StableSession
@@ -32,12 +35,20 @@ T = TypeVar("T")
 W = TypeVar("W")
 S = TypeVar("S", bound=Session | StableSession)
 
-_MOST_THREADS = 64
+Kind = Literal["work", "wait", "watch", "ask"]
+
+_MOST_THREADS: dict[Kind, int] = {
+    "work": 64,  # makes or carries a mesh or a volume, which takes memory
+    # These may do nothing, for as long as nothing happens. A server has 64 of both together for a client, and refuses more.
+    "wait": 48,
+    "watch": 64,
+    "ask": 64,  # is answered at once
+}
 
 
 @functools.lru_cache(maxsize=None)
-def _threads() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(_MOST_THREADS, thread_name_prefix="tetstream")
+def _threads(kind: Kind) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(_MOST_THREADS[kind], thread_name_prefix=f"tetstream {kind}")
 
 
 os.register_at_fork(after_in_child=_threads.cache_clear)  # they are not there
@@ -84,27 +95,43 @@ def _nothing() -> None:
     pass
 
 
-async def _run(on_cancel: Callable[[], object] | None, call: Callable[..., R], *given: Any, **named: Any) -> R:
-    """Has a thread make the call. Whoever cancels the task has the work stopped, and waits for that."""
-    loop = asyncio.get_running_loop()
-    stop = _tetstream.Stop()
+async def _run(
+    kind: Kind, on_cancel: Callable[[], object] | None, call: Callable[..., R], /, *given: Any, **named: Any
+) -> R:
+    """Has a thread make the call. Whoever cancels the task has the work stopped, and waits for that. A `timeout` is also
+    for the time until there is a thread."""
+    stop = Stop()
     context = contextvars.copy_context()
     context.run(stop_of_context.set, stop)
     telling = _Telling.of(named)
     if telling is not None:
         telling.stop = stop.request
-    work: asyncio.Future[R] = loop.run_in_executor(
-        _threads(), lambda: context.run(lambda: call(*given, **named)))
+    timeout: float | None = named.get("timeout")
+    left = time_left(timeout)
+
+    def work() -> R:
+        if timeout is not None:
+            named["timeout"] = left()
+        return call(*given, **named)
+
+    queued = _threads(kind).submit(lambda: context.run(work))
+    done = asyncio.wrap_future(queued)
     try:
-        return await _told(telling, asyncio.shield(work))
+        await asyncio.wait([done], timeout=left())
+        if not done.done() and queued.cancel():
+            raise DeadlineExceededError(
+                f"the call was not begun within {timeout} s; at most {_MOST_THREADS[kind]} like it are under way",
+                StatusCode.DEADLINE_EXCEEDED)
+        await asyncio.wait([done])
     except asyncio.CancelledError:
         stop.request()  # for calls within the work, which `on_cancel` does not know
         if on_cancel is not None:
             on_cancel()
-        await asyncio.wait([work])
-        if not work.cancelled():
-            work.exception()  # of a work that was stopped: nobody else will ask
+        if not queued.cancel():
+            await asyncio.wait([done])
+            done.exception()  # of a work that was stopped: nobody else will ask
         raise
+    return await _told(telling, done)
 
 
 async def _told(telling: _Telling | None, work: Awaitable[R]) -> R:
@@ -134,20 +161,22 @@ class _Wrapped(Generic[T]):
         return repr(self._sync).replace("tetstream.", "tetstream.Async", 1)
 
 
-def _call(call: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[_Wrapped[T], P], Coroutine[Any, Any, R]]:
+def _call(
+    call: Callable[Concatenate[T, P], R], kind: Kind = "work"
+) -> Callable[Concatenate[_Wrapped[T], P], Coroutine[Any, Any, R]]:
     @functools.wraps(call)
     async def method(self: _Wrapped[T], /, *given: P.args, **named: P.kwargs) -> R:
-        return await _run(None, call, self._sync, *given, **named)
+        return await _run(kind, None, call, self._sync, *given, **named)
 
     return method
 
 
 def _call_for(
-    wrap: Callable[[R], W], call: Callable[Concatenate[T, P], R]
+    wrap: Callable[[R], W], call: Callable[Concatenate[T, P], R], kind: Kind = "work"
 ) -> Callable[Concatenate[_Wrapped[T], P], Coroutine[Any, Any, W]]:
     @functools.wraps(call)
     async def method(self: _Wrapped[T], /, *given: P.args, **named: P.kwargs) -> W:
-        return wrap(await _run(None, call, self._sync, *given, **named))
+        return wrap(await _run(kind, None, call, self._sync, *given, **named))
 
     return method
 
@@ -178,7 +207,7 @@ class AsyncMeshStream(_Wrapped[MeshStream]):
         return self
 
     async def __anext__(self) -> Chunk:
-        chunk: Chunk | None = await _told(self._telling, _run(self._sync.close, _next, self._sync))
+        chunk: Chunk | None = await _told(self._telling, _run("work", self._sync.close, _next, self._sync))
         if chunk is None:
             raise StopAsyncIteration
         return chunk
@@ -202,7 +231,7 @@ def _call_for_stream(
     @functools.wraps(call)
     async def method(self: _Wrapped[T], /, *given: P.args, **named: P.kwargs) -> AsyncMeshStream:
         telling = _Telling.of(named)
-        return AsyncMeshStream(await _run(None, call, self._sync, *given, **named), telling)
+        return AsyncMeshStream(await _run("work", None, call, self._sync, *given, **named), telling)
 
     return method
 
@@ -222,7 +251,7 @@ class _AsyncFollowing(_Wrapped[S]):
 
     async def close(self) -> None:
         """Tells the server that this was all."""
-        await _run(self._sync._session.stop, self._sync.close)
+        await _run("work", self._sync._session.stop, self._sync.close)
 
     async def __aenter__(self) -> Self:
         return self
@@ -246,7 +275,7 @@ class AsyncSession(_AsyncFollowing[Session]):
 
     @functools.wraps(Session.update)
     async def update(self, frame: Any) -> Mesh:
-        return await _run(self._sync._session.stop, self._sync.update, frame)
+        return await _run("work", self._sync._session.stop, self._sync.update, frame)
 
 
 class AsyncStableSession(_AsyncFollowing[StableSession]):
@@ -260,11 +289,11 @@ class AsyncStableSession(_AsyncFollowing[StableSession]):
     @functools.wraps(StableSession.update)
     async def update(self, frame: Any, *, replaced: ArrayLike | None = None) -> StableMesh:
         update = functools.partial(self._sync.update, replaced=replaced)
-        return await _run(self._sync._session.stop, update, frame)
+        return await _run("work", self._sync._session.stop, update, frame)
 
     @functools.wraps(StableSession.in_order)
     async def in_order(self) -> Mesh:
-        return await _run(self._sync._session.stop, self._sync.in_order)
+        return await _run("work", self._sync._session.stop, self._sync.in_order)
 
 
 class AsyncJobWatch(_Wrapped[JobWatch]):
@@ -274,7 +303,7 @@ class AsyncJobWatch(_Wrapped[JobWatch]):
         return self
 
     async def __anext__(self) -> JobEvent:
-        event: JobEvent | None = await _run(self._sync.close, _next, self._sync)
+        event: JobEvent | None = await _run("watch", self._sync.close, _next, self._sync)
         if event is None:
             raise StopAsyncIteration
         return event
@@ -296,14 +325,14 @@ class AsyncJobs(_Wrapped[Jobs]):
     """The jobs of an `AsyncClient`: the calls of `Jobs`, each to be awaited."""
 
     submit = _call(Jobs.submit)
-    get = _call(Jobs.get)
-    list = _call(Jobs.list)
-    wait = _call(Jobs.wait)
-    wait_all = _call(Jobs.wait_all)
-    watch = _call_for(AsyncJobWatch, Jobs.watch)
-    cancel = _call(Jobs.cancel)
-    retry = _call(Jobs.retry)
-    delete = _call(Jobs.delete)
+    get = _call(Jobs.get, "ask")
+    list = _call(Jobs.list, "ask")
+    wait = _call(Jobs.wait, "wait")
+    wait_all = _call(Jobs.wait_all, "wait")
+    watch = _call_for(AsyncJobWatch, Jobs.watch, "ask")
+    cancel = _call(Jobs.cancel, "ask")
+    retry = _call(Jobs.retry, "ask")
+    delete = _call(Jobs.delete, "ask")
     fetch = _call(Jobs.fetch)
     stream = _call_for_stream(Jobs.stream)
 
@@ -318,6 +347,10 @@ class AsyncClient(_Wrapped[Client]):
 
     A task that is cancelled stops its work, here or on the server. `progress` is called in the event loop,
     and what it raises stops the work and is raised where that is awaited. The arguments are those of `Client`.
+
+    Of the calls of all clients in this process 64 work at a time, 48 wait for jobs, and 64 for the next event of a
+    watch; more are begun one by one as these end. That takes of their `timeout`, and they can be cancelled before.
+    Whatever asks about jobs, or cancels them, waits for none of these.
     """
 
     def __init__(
@@ -345,8 +378,8 @@ class AsyncClient(_Wrapped[Client]):
     stable_session = _call_for(AsyncStableSession, Client.stable_session)
     upload = _call(Client.upload)
     upload_file = _call(Client.upload_file)
-    capabilities = _call(Client.capabilities)
-    check_health = _call(Client.check_health)
+    capabilities = _call(Client.capabilities, "ask")
+    check_health = _call(Client.check_health, "ask")
 
     @property
     def jobs(self) -> AsyncJobs:

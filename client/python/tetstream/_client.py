@@ -80,8 +80,8 @@ class Client:
         shared_memory: bool = True,
     ) -> None:
         self.address = address
-        self._open: Backend | None = Here()
-        self._jobs: JobBackend | None = None
+        here = Here()
+        self._open: tuple[Backend, JobBackend] | None = here, LocalJobs(here)
         if address == LOCAL:
             return
         options = _tetstream.ClientOptions()
@@ -93,13 +93,19 @@ class Client:
         options.tls_key = os.fspath(tls_key)
         options.attempts = attempts
         options.shared_memory = shared_memory
-        self._open = Served(address, options)
+        served = Served(address, options)
+        self._open = served, ServedJobs(served)
+
+    @property
+    def _opened(self) -> tuple[Backend, JobBackend]:
+        opened = self._open  # which another thread may close
+        if opened is None:
+            raise CancelledError("the client is closed", StatusCode.CANCELLED)
+        return opened
 
     @property
     def _backend(self) -> Backend:
-        if self._open is None:
-            raise CancelledError("the client is closed", StatusCode.CANCELLED)
-        return self._open
+        return self._opened[0]
 
     def mesh(
         self,
@@ -368,10 +374,7 @@ class Client:
     @property
     def jobs(self) -> Jobs:
         """Meshes that are made while nobody waits."""
-        backend = self._backend
-        if self._jobs is None:
-            self._jobs = ServedJobs(backend) if isinstance(backend, Served) else LocalJobs(backend)
-        return Jobs(self._jobs)
+        return Jobs(self._opened[1])
 
     def upload(
         self, volume: Volume | Labels, *, progress: Progress | None = None, timeout: float | None = None
@@ -401,9 +404,9 @@ class Client:
 
     def close(self) -> None:
         """Forgets the connection. Streams that were begun go on; jobs of this process are cancelled."""
-        if isinstance(self._jobs, LocalJobs):
-            self._jobs.close()
-        self._open = None
+        opened, self._open = self._open, None
+        if opened is not None and isinstance(opened[1], LocalJobs):
+            opened[1].close()
 
     def __enter__(self) -> Client:
         return self

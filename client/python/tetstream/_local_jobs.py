@@ -21,7 +21,6 @@ from ._stream import MeshStream
 
 
 _EXPIRED = "JOB_EXPIRED"
-_LOOK_UP = 0.03  # seconds, as the library's own calls look whether they are stopped
 
 
 @dataclasses.dataclass
@@ -49,6 +48,7 @@ class LocalJobs:
         self._entries: dict[str, _Entry] = {}
         self._events: list[JobEvent] = []
         self._numbers = itertools.count(1)
+        self._next_end = math.inf  # before which `_expire` has nothing to do
         self._works = False
 
     def submit(self, request: Request, order: JobOrder, timeout: float | None) -> Job:
@@ -61,7 +61,9 @@ class LocalJobs:
             name = f"jobs/{number:08x}{uuid.uuid4().hex[:16]}"
             job = Job(name, "queued", order.display_name, dict(order.labels), order.priority, order.ttl,
                       order.run_timeout, created=_now())
-            self._entries[name] = _Entry(job, request, order, number, _tetstream.Stop(), _end_of(order))
+            entry = _Entry(job, request, order, number, _tetstream.Stop())
+            self._entries[name] = entry
+            self._limit(entry)
             self._note(name, "created")
             self._start()
             return job
@@ -93,7 +95,7 @@ class LocalJobs:
                 self._expire()
                 job = self._entry(name).job
                 if not job.done:
-                    patience.wait(self._changed, self._next_end())
+                    patience.wait(self._changed, self._next_end)
                     job = self._entry(name).job
             if progress is not None and job.progress.fraction > told:
                 told = job.progress.fraction
@@ -108,14 +110,15 @@ class LocalJobs:
         return _Events(self, name, after, timeout)
 
     def cancel(self, name: str, timeout: float | None) -> Job:
+        patience = _Patience(timeout)
         with self._changed:
             self._expire()
             entry = self._entry(name)
             entry.stop.request()
             if entry.job.state == "queued":
                 self._finish(entry, None, _cancelled())
-            while not entry.job.done:
-                self._changed.wait()
+            while not entry.job.done:  # which a file that is being read does not heed
+                patience.wait(self._changed, math.inf)
             return entry.job
 
     def retry(self, name: str, timeout: float | None) -> Job:
@@ -127,7 +130,7 @@ class LocalJobs:
             if entry.job.state == "succeeded":
                 raise _refusal(f"{name} has succeeded: there is nothing to retry", "JOB_SUCCEEDED")
             entry.stop = _tetstream.Stop()
-            entry.expires = _end_of(entry.order)
+            self._limit(entry)
             entry.number = next(self._numbers)
             self._change(entry, "retried", state="queued", error=None, started=None, finished=None,
                          progress=JobProgress())
@@ -145,17 +148,15 @@ class LocalJobs:
 
     def fetch(self, name: str, progress: Progress | None, timeout: float | None) -> Mesh:
         with self._changed:
-            entry = self._entry(name)
-            if entry.mesh is None:
-                raise _refusal(f"{name} is {entry.job.state}, and has no mesh", "JOB_NOT_SUCCEEDED")
+            mesh, _ = self._made(name)
         if progress is not None:
             progress(1.0)
-        return entry.mesh
+        return mesh
 
     def stream(self, name: str, progress: Progress | None, timeout: float | None) -> MeshStream:
-        self.fetch(name, None, timeout)
-        options = options_of(progress=progress, timeout=timeout)
-        return MeshStream(self._backend.stream(self._entries[name].request, options))
+        with self._changed:
+            _, request = self._made(name)
+        return MeshStream(self._backend.stream(request, options_of(progress=progress, timeout=timeout)))
 
     def close(self) -> None:
         """Cancels all that is not at its end."""
@@ -172,19 +173,30 @@ class LocalJobs:
             raise NotFoundError(f"{name} is no job of this client", StatusCode.NOT_FOUND, "JOB_NOT_FOUND")
         return self._entries[name]
 
+    def _made(self, name: str) -> tuple[Mesh, Request]:
+        entry = self._entry(name)
+        if entry.mesh is None:
+            raise _refusal(f"{name} is {entry.job.state}, and has no mesh", "JOB_NOT_SUCCEEDED")
+        return entry.mesh, entry.request
+
     def _queued(self) -> Entries:
         return [entry for entry in self._entries.values() if entry.job.state == "queued"]
 
     def _expire(self) -> None:
         """Ends what has waited for too long. Whoever looks at jobs calls it, so that nobody has to watch the clock."""
         now = time.monotonic()
+        if now < self._next_end:
+            return
         for entry in self._queued():
             if entry.expires <= now:
                 self._finish(entry, None, _expired(entry))
+        self._next_end = min((entry.expires for entry in self._queued()), default=math.inf)
 
-    def _next_end(self) -> float:
-        """When `_expire` has more to do."""
-        return min((entry.expires for entry in self._queued()), default=math.inf)
+    def _limit(self, entry: _Entry) -> None:
+        """Its time begins."""
+        if entry.order.ttl is not None:
+            entry.expires = time.monotonic() + entry.order.ttl
+            self._next_end = min(self._next_end, entry.expires)
 
     @staticmethod
     def _place(entry: _Entry) -> tuple[int, int]:
@@ -271,7 +283,7 @@ class _Events:
                     self._next = event.revision
                     if not self._name or event.name == self._name:
                         return event
-                self._patience.wait(self._jobs._changed, self._jobs._next_end())
+                self._patience.wait(self._jobs._changed, self._jobs._next_end)
         return None
 
     def close(self) -> None:
@@ -289,13 +301,13 @@ class _Patience:
 
     def wait(self, changed: threading.Condition, until: float) -> None:
         """For a change, or until that time."""
+        if self._stop is not None:
+            self._stop.wakes(changed)
+            if self._stop.requested:
+                raise CancelledError("the call was cancelled", StatusCode.CANCELLED)
         left = None if self._end is None else self._end - time.monotonic()
         if left is not None and left <= 0:
             raise DeadlineExceededError("no change came in time", StatusCode.DEADLINE_EXCEEDED)
-        if self._stop is not None:
-            if self._stop.requested:
-                raise CancelledError("the call was cancelled", StatusCode.CANCELLED)
-            left = min(_LOOK_UP, _LOOK_UP if left is None else left)
         if until < math.inf:
             rest = max(0.0, until - time.monotonic())
             left = rest if left is None else min(left, rest)
@@ -308,10 +320,6 @@ def _now() -> datetime.datetime:
 
 def _cancelled() -> CancelledError:
     return CancelledError("the job was cancelled", StatusCode.CANCELLED, "JOB_CANCELLED")
-
-
-def _end_of(order: JobOrder) -> float:
-    return math.inf if order.ttl is None else time.monotonic() + order.ttl
 
 
 def _expired(entry: _Entry) -> DeadlineExceededError:

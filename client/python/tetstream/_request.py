@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 import os
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
@@ -35,9 +36,28 @@ _PRESETS = dict(_tetstream.Preset.__members__)
 _COORDINATES = dict(_tetstream.Coordinates.__members__)
 _ENCODINGS = dict(_tetstream.Encoding.__members__)
 
-# By which another thread stops the calls that are made in this context.
-stop_of_context: contextvars.ContextVar[_tetstream.Stop | None] = contextvars.ContextVar(
-    "stop_of_context", default=None)
+
+class Stop(_tetstream.Stop):
+    """By which another thread stops calls. The library's hear of it by themselves."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._wakes: list[threading.Condition] = []
+
+    def wakes(self, changed: threading.Condition) -> None:
+        """Has `request` wake who waits there. To be called with the condition's lock, and before `requested` is asked."""
+        if changed not in self._wakes:
+            self._wakes.append(changed)
+
+    def request(self) -> None:
+        super().request()
+        for changed in list(self._wakes):
+            with changed:
+                changed.notify_all()
+
+
+# Of the calls that are made in this context.
+stop_of_context: contextvars.ContextVar[Stop | None] = contextvars.ContextVar("stop_of_context", default=None)
 
 
 # Names begin with it that `Client(":local:")` gives.

@@ -2,6 +2,8 @@
 
 import asyncio
 import inspect
+import threading
+import time
 
 import pytest
 
@@ -10,6 +12,7 @@ import tetstream as ts
 from conftest import assert_same, make_ball
 from jobs_test import Played
 from stream_test import Gathered
+from tetstream import _async
 from tetstream._request import stop_of_context
 
 
@@ -132,6 +135,82 @@ def test_a_wait_that_is_cancelled_ends(address):
         await client.jobs.cancel(job)
 
     asyncio.run(work())
+
+
+def test_calls_that_wait_hold_up_no_others(address):
+    async def work():
+        client = ts.AsyncClient(address)
+        job = await client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))  # it takes minutes
+        waits = [asyncio.create_task(client.jobs.wait(job)) for _ in range(90)]
+        watch = await client.jobs.watch(job, after=0)
+        assert (await watch.__anext__()).change == "created"
+        await client.capabilities()
+        await client.mesh(ts.sphere(1), spacing=0.3)
+        assert not (await client.jobs.get(job)).done and not any(wait.done() for wait in waits)
+        await client.jobs.cancel(job)
+        assert [event async for event in watch][-1].state == "cancelled"
+        assert {job.state for job in await asyncio.gather(*waits)} == {"cancelled"}
+
+    asyncio.run(work())
+
+
+@pytest.fixture
+def one_thread(monkeypatch):
+    """For the calls that make meshes."""
+    monkeypatch.setitem(_async._MOST_THREADS, "work", 1)
+    _async._threads.cache_clear()
+    yield
+    _async._threads.cache_clear()
+
+
+def test_a_call_that_waits_for_a_thread_is_cancelled_and_has_its_deadline(address, one_thread):
+    async def work():
+        client = ts.AsyncClient(address)
+        has_thread = asyncio.Event()
+        long = asyncio.create_task(
+            client.mesh(ts.sphere(1), spacing=0.002, progress=lambda fraction: has_thread.set()))
+        await has_thread.wait()
+        with pytest.raises(ts.DeadlineExceededError, match="not begun within 0.1 s"):
+            await client.mesh(ts.sphere(1), spacing=0.3, timeout=0.1)
+        waiting = asyncio.create_task(client.mesh(ts.sphere(1), spacing=0.3))
+        done, _ = await asyncio.wait([waiting, long], timeout=0.1)
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+        assert not done and not long.done()
+        long.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await long
+
+    asyncio.run(work())
+
+
+def test_the_time_that_a_call_waits_for_a_thread_is_of_its_timeout(one_thread):
+    async def work():
+        jobs = ts.AsyncJobs(ts.Jobs(held))
+        calls = [asyncio.create_task(jobs.fetch(name, timeout=60)) for name in ("one", "other")]
+        await asyncio.sleep(0)  # both are made, and one has the thread
+        made = time.monotonic()
+        while (now := time.monotonic()) == made:
+            pass
+        held.goes_on.set()
+        await asyncio.gather(*calls)
+        return now - made
+
+    held = Held()
+    waited = asyncio.run(work())
+    assert 0 < held.left[1] <= 60 - waited
+
+
+class Held:
+    """Jobs that are not fetched before all may be, and what time each call was left."""
+
+    def __init__(self):
+        self.left, self.goes_on = [], threading.Event()
+
+    def fetch(self, name, progress, timeout):
+        self.left.append(timeout)
+        self.goes_on.wait(running_server.GENEROUS_END)
 
 
 class Unlisted(Played):

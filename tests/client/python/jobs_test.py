@@ -1,5 +1,6 @@
 """Jobs, on a server and in this process: the same calls with the same ends."""
 
+import asyncio
 import contextlib
 import datetime
 import itertools
@@ -13,6 +14,8 @@ import pytest
 import running_server
 import tetstream as ts
 from conftest import assert_same
+from tetstream._local_jobs import LocalJobs
+from tetstream._request import options_of
 
 PART = ts.box((2, 2, 1), rounding=0.1) - ts.cylinder(0.4, 2)
 
@@ -364,3 +367,55 @@ def test_jobs_of_this_process_are_made_in_their_order():
         here.jobs.cancel(first)
         done = here.jobs.wait_all([low, high])
         assert done[1].finished <= done[0].started
+
+
+class Deaf:
+    """Makes meshes, and heeds nobody who wants that stopped: as a large file is read."""
+
+    def __init__(self):
+        self.reads, self.has_read = threading.Event(), threading.Event()
+
+    def mesh(self, request, options):
+        self.reads.set()
+        self.has_read.wait(running_server.GENEROUS_END)
+        raise ts.CancelledError("the call was cancelled", ts.StatusCode.CANCELLED)
+
+
+def test_who_cancels_a_job_of_this_process_waits_no_longer_than_they_want():
+    backend = Deaf()
+    jobs = LocalJobs(backend)
+    job = ts.Jobs(jobs).submit(PART, spacing=0.3)
+    assert backend.reads.wait(running_server.GENEROUS_END)
+    with pytest.raises(ts.DeadlineExceededError):
+        ts.Jobs(jobs).cancel(job, timeout=0.05)
+
+    async def cancel_and_leave():
+        cancelling = asyncio.create_task(ts.AsyncJobs(ts.Jobs(jobs)).cancel(job))
+        await asyncio.wait([cancelling], timeout=0.05)
+        cancelling.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await cancelling
+
+    asyncio.run(cancel_and_leave())
+    assert not ts.Jobs(jobs).get(job).done
+    backend.has_read.set()
+    assert ts.Jobs(jobs).cancel(job).state == "cancelled"
+
+
+def test_all_threads_have_the_same_jobs(monkeypatch):
+    here = ts.Client()
+    with monkeypatch.context() as patch:
+        patch.setattr("tetstream._client.LocalJobs", None)  # of which two threads could make one each
+        assert here.jobs._backend is here.jobs._backend
+
+
+def test_a_job_may_be_deleted_while_its_stream_begins(monkeypatch):
+    with ts.Client() as here:
+        job = here.jobs.wait(here.jobs.submit(PART, spacing=0.3))
+
+        def delete_first(**options):
+            here.jobs.delete(job)
+            return options_of(**options)
+
+        monkeypatch.setattr("tetstream._local_jobs.options_of", delete_first)
+        assert sum(len(chunk.tets) for chunk in here.jobs.stream(job)) == job.header.tet_count
