@@ -37,11 +37,13 @@ class ArrayMaker {
     return view;
   }
 
-  py::array points(const MeshColumns& columns) const {
-    return columns.points64.empty() ? make(columns.points32, 3) : make(columns.points64, 3);
+  // A chunk without vertices, or without tets, has the types of all others.
+
+  py::array points(const MeshColumns& columns, const MeshHeader& header) const {
+    return header.float64 ? make(columns.points64, 3) : make(columns.points32, 3);
   }
-  py::array tets(const MeshColumns& columns) const {
-    return columns.tets64.empty() ? make(columns.tets32, 4) : make(columns.tets64, 4);
+  py::array tets(const MeshColumns& columns, const MeshHeader& header) const {
+    return header.uint64 ? make(columns.tets64, 4) : make(columns.tets32, 4);
   }
   /// Returns None where the mesh has no regions.
   py::object regions(const MeshColumns& columns, const MeshHeader& header) const {

@@ -169,12 +169,12 @@ void bind_mesh(py::module_& module) {
       .def_property_readonly("statistics",
                              [](const Mesh& mesh) { return to_python(mesh.statistics()); })
       .def_property_readonly(
-          "points", of_mesh([](ArrayMaker maker, Columns columns, Header) -> py::object {
-            return maker.points(columns);
+          "points", of_mesh([](ArrayMaker maker, Columns columns, Header header) -> py::object {
+            return maker.points(columns, header);
           }))
       .def_property_readonly(
-          "tets", of_mesh([](ArrayMaker maker, Columns columns, Header) -> py::object {
-            return maker.tets(columns);
+          "tets", of_mesh([](ArrayMaker maker, Columns columns, Header header) -> py::object {
+            return maker.tets(columns, header);
           }))
       .def_property_readonly("regions",
                              of_mesh([](ArrayMaker maker, Columns columns, Header header) {

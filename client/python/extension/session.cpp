@@ -189,11 +189,13 @@ void bind_stable_mesh(py::module_& module) {
       .def_property_readonly(
           "header", [](const StableMesh& mesh) { return python::to_python(mesh.header); })
       .def_property_readonly(
-          "points", of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
-                                  const MeshHeader&) { return maker.points(columns); }))
-      .def_property_readonly("tets",
-                             of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
-                                           const MeshHeader&) { return maker.tets(columns); }))
+          "points",
+          of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
+                        const MeshHeader& header) { return maker.points(columns, header); }))
+      .def_property_readonly(
+          "tets",
+          of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
+                        const MeshHeader& header) { return maker.tets(columns, header); }))
       .def_property_readonly(
           "regions", of_columns([](const ArrayMaker& maker, const MeshColumns& columns,
                                    const MeshHeader& h) { return maker.regions(columns, h); }))

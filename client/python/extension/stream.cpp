@@ -25,8 +25,8 @@ py::object handed_over(const Chunk& chunk, Kept memory, const MeshHeader& header
                           [](void* kept) { delete static_cast<Kept*>(kept); });
   const ArrayMaker arrays(owner, ArrayMaker::Owner::kAlone);
   return py::make_tuple(
-      chunk.index, chunk.first_vertex, chunk.first_tet, arrays.points(chunk.columns),
-      arrays.tets(chunk.columns), arrays.regions(chunk.columns, header),
+      chunk.index, chunk.first_vertex, chunk.first_tet, arrays.points(chunk.columns, header),
+      arrays.tets(chunk.columns, header), arrays.regions(chunk.columns, header),
       arrays.field_rows(chunk.columns, header), arrays.faces(chunk.columns, header),
       arrays.face_tets(chunk.columns, header), arrays.face_labels(chunk.columns, header),
       arrays.labels(chunk.columns, header));
