@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._errors import FailedPreconditionError, StatusCode
+from ._header import Header
 from ._share import Share
 
 if TYPE_CHECKING:
@@ -96,6 +98,16 @@ def to_dolfinx(piece: Piece, comm: Any) -> Any:
     cell = ufl.Cell("tetrahedron", geometric_dimension=3)
     domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
     return dolfinx.create_mesh(comm, np.ascontiguousarray(piece.tets, dtype=np.int64), piece.points, domain)
+
+
+def check_tags(header: Header) -> None:
+    """Asks the header, as all ranks have the same, so that none is left alone in what they do together."""
+    most = np.iinfo(np.int32)
+    for label in header.labels:
+        if not most.min <= label.value <= most.max:
+            raise FailedPreconditionError(
+                f"label {label.value} is no tag of dolfinx, which has {most.min} to {most.max}: give the label another "
+                "value, or hand the mesh on without tags", StatusCode.FAILED_PRECONDITION)
 
 
 def tagged_dolfinx(piece: Piece, comm: Any) -> tuple[Any, Any, Any]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _tetstream
 from ._errors import invalid
-from ._names import Point, point
+from ._names import Point, point, real_array
 from ._volume import Axes, Volume, axis_steps
 
 LabelRanges = str | int | Iterable[int | range | tuple[int, int]]
@@ -67,10 +67,10 @@ class Labels:
         affine   instead of these three, as nibabel has it: shape (4, 4), and affine @ (i, j, k, 1) are the
                  world coordinates of the middle of values[i, j, k]
 
-        Errors: InvalidArgumentError (another shape, values that are no integers, axes that are none, an affine beside
-        what it is instead of), FailedPreconditionError (voxels without volume, more than 65,535 labels).
+        Errors: InvalidArgumentError (another shape, values that are masked or no integers, axes that are none, an
+        affine beside what it is instead of), FailedPreconditionError (voxels without volume, more than 65,535 labels).
         """
-        array = np.asarray(values)
+        array = real_array("values", values)
         if array.ndim != 3:
             raise invalid(f"labels have the shape {array.shape}; three axes are needed, as values[x, y, z]")
         if affine is None:

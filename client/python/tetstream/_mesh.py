@@ -196,9 +196,13 @@ class Mesh(Arrays):
                `MeshStream.to_dolfinx` spares each rank the rest.
         tags   also what its cells and facets are: (mesh, cell_tags, facet_tags), each a `MeshTags` of dolfinx, or
                None where the mesh has no regions or no faces. A cell's tag is its region, or of a segmentation
-               its label's value (of 32 bits), and a facet's is the place of its name in `header.face_labels`,
-               from 1 on: `header.face_tag("clamped")` finds it
+               its label's value, and a facet's is the place of its name in `header.face_labels`, from 1 on:
+               `header.face_tag("clamped")` finds it
+
+        Errors: FailedPreconditionError (a label whose value has more than 32 bits, which is no tag).
         """
+        if tags:
+            _convert.check_tags(self.header)
         piece = _convert.share_of(self, comm)
         return _convert.tagged_dolfinx(piece, comm) if tags else _convert.to_dolfinx(piece, comm)
 
@@ -213,7 +217,7 @@ class Mesh(Arrays):
         """Draws the mesh's surface: a PNG, which is returned, and written to `path` where one is given.
 
         values   what colours it, from low (blue) to high (yellow): a field of one component, or an array with
-                 one value for each point
+                 one value for each point; grey where values are not finite, or masked
         size     pixels, width and height
         view     from the mesh towards the eye
         """

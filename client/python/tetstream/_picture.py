@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import invalid
-from ._names import Point, point
+from ._names import Point, mask_of, point
 
 _FACES_OF_TET = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 _PLAIN = np.array([0.62, 0.71, 0.80])
+_UNKNOWN = np.array([0.5, 0.5, 0.5])  # what values that are not finite are painted in
 # From low to high, evenly: dark blue, green, yellow, as eyes that do not see all colours tell them apart.
 _COLOURS = np.array([[0.27, 0.00, 0.33], [0.23, 0.32, 0.55], [0.13, 0.57, 0.55], [0.37, 0.79, 0.38],
                      [0.99, 0.91, 0.14]])
@@ -45,7 +46,7 @@ def picture(
         raise invalid(f"size {width} x {height}: each may be 1 to 4096 pixels")
     image = np.full((height, width, 3), 255, np.uint8)
     if len(triangles):
-        colours = None if values is None else _colours_of(np.asarray(values, dtype=np.float64), len(points))
+        colours = None if values is None else _colours_of(_unmasked(values), len(points))
         _draw(image, _Camera(points, view, width, height).see(points), triangles, colours)
     return _png(image)
 
@@ -130,14 +131,23 @@ def _dots(steps: int) -> NDArray[np.float64]:
     return np.stack([a, b, 1 - a - b], axis=1)
 
 
+def _unmasked(values: ArrayLike) -> NDArray[np.float64]:
+    """NaN where there is a mask."""
+    return np.where(mask_of(values), np.nan, np.asarray(values, dtype=np.float64))
+
+
 def _colours_of(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     if values.shape != (count,):
         raise invalid(f"values have the shape {values.shape}; one for each of {count} points is needed")
-    low, high = float(values.min()), float(values.max())
-    place = (values - low) / (high - low if high > low else 1.0) * (len(_COLOURS) - 1)
-    below = np.minimum(place.astype(np.int64), len(_COLOURS) - 2)
-    share = (place - below)[:, None]
-    mixed: NDArray[np.float64] = (1 - share) * _COLOURS[below] + share * _COLOURS[below + 1]
+    mixed = np.tile(_UNKNOWN, (count, 1))
+    known = np.isfinite(values)
+    if known.any():
+        halves = values[known] / 2  # of which differences are finite, too
+        low, high = halves.min(), halves.max()
+        place = (halves - low) / (high - low if high > low else 1.0) * (len(_COLOURS) - 1)
+        below = np.minimum(place.astype(np.int64), len(_COLOURS) - 2)
+        share = (place - below)[:, None]
+        mixed[known] = (1 - share) * _COLOURS[below] + share * _COLOURS[below + 1]
     return mixed
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import invalid
+from ._names import real_array
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Samples:
 
 def rows_of(points: ArrayLike) -> NDArray[np.float64]:
     """Points as the library takes them."""
-    rows = np.ascontiguousarray(points, dtype=np.float64)
+    rows = np.ascontiguousarray(real_array("points", points), dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise invalid(f"points have the shape {rows.shape}: (n, 3) is wanted, x, y and z of each")
     return rows

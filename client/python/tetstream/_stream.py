@@ -74,8 +74,10 @@ class MeshStream:
                size=comm.size)`. All ranks call this together.
         tags   also its cells' and facets', as of `Mesh.to_dolfinx`
 
-        Errors: those of reading it; FailedPreconditionError (a chunk has been read before).
+        Errors: those of reading it; FailedPreconditionError (a chunk has been read before, a label's value is no tag).
         """
+        if tags:
+            _convert.check_tags(self.header)
         piece = self._collected()
         return _convert.tagged_dolfinx(piece, comm) if tags else _convert.to_dolfinx(piece, comm)
 

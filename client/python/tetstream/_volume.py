@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _tetstream
 from ._errors import invalid
-from ._names import Point, member, point
+from ._names import Point, member, point, real_array
 
 Kind = Literal["level_set", "density", "values"]
 Open = Literal["refuse", "close", "shell"]
@@ -62,10 +62,11 @@ class Volume:
                     ("-x", "y", "z") where the first runs towards lower x. Spacing and origin stay
                     those of the world and of values[0, 0, 0].
 
-        Errors: InvalidArgumentError (another shape, a spacing that is not positive, axes that are none),
+        Errors: InvalidArgumentError (another shape, masked or complex values, a spacing that is not positive, axes
+        that are none),
         FailedPreconditionError (a value that is not finite).
         """
-        array = np.asarray(values)
+        array = real_array("values", values)
         if array.ndim != 3:
             raise invalid(f"values have the shape {array.shape}; three axes are needed, as values[x, y, z]")
         if array.dtype == np.bool_:
@@ -86,7 +87,7 @@ class Volume:
         origin   world coordinates of the middle of voxel (0, 0, 0)
         axes     as in `from_array`
         """
-        array = np.asarray(mask)
+        array = real_array("mask", mask)
         if array.dtype != np.bool_:
             raise invalid(f"a mask has booleans, and this has {array.dtype}: compare it, as in labels == 3")
         return cls.from_array(array.astype(np.float32), spacing=spacing, origin=origin, kind="density", axes=axes)
@@ -123,8 +124,8 @@ class Volume:
         positive or larger than the inside), FailedPreconditionError (the surface is open),
         ResourceExhaustedError (too many voxels).
         """
-        corners = np.ascontiguousarray(points, dtype=np.float64)
-        ids = np.asarray(triangles)
+        corners = np.ascontiguousarray(real_array("points", points), dtype=np.float64)
+        ids = real_array("triangles", triangles)
         for name, array in (("points", corners), ("triangles", ids)):
             if array.ndim != 2 or array.shape[1] != 3:
                 raise invalid(f"{name} have the shape {array.shape}; rows of three are needed")

@@ -45,6 +45,34 @@ def test_meshio_has_boundary_faces_with_their_labels(both_sides):
     assert np.array_equal(handed.cell_data_dict["region"]["tetra"], both_sides.regions)
 
 
+def test_labels_that_are_no_tags_of_dolfinx_are_refused():
+    values = np.zeros((8, 8, 8), np.int64)
+    values[2:4, 2:6, 2:6], values[4:6, 2:6, 2:6] = 3, 2**40 + 3  # of which 32 bits are 3, too
+    made = ts.mesh(ts.Labels.from_array(values), labels=(3, 2**40 + 3))
+    for handed in (made, ts.stream(ts.Labels.from_array(values), labels=(3, 2**40 + 3))):
+        with pytest.raises(ts.FailedPreconditionError, match="label 1099511627779 is no tag"):
+            handed.to_dolfinx(None, tags=True)
+
+
+def test_what_is_masked_or_complex_is_refused():
+    values = np.ma.masked_greater(np.arange(64.0).reshape(4, 4, 4), 60)
+    corners = np.ma.masked_equal(np.eye(4, 3), 1)
+    for take in (lambda: ts.Volume.from_array(values, spacing=1),
+                 lambda: ts.Volume.from_mask(values > 3, spacing=1),
+                 lambda: ts.Labels.from_array(values.astype(int)),
+                 lambda: ts.sample(ts.sphere(1), corners),
+                 lambda: ts.Volume.from_triangles(corners, [[0, 1, 2]], voxel_size=1)):
+        with pytest.raises(ts.InvalidArgumentError, match="are masked, 3 of"):
+            take()
+    for take in (lambda: ts.Volume.from_array(values.data + 1j, spacing=1),
+                 lambda: ts.Volume.from_triangles(corners.data * 1j, [[0, 1, 2]], voxel_size=1),
+                 lambda: ts.sample(ts.sphere(1), corners.data * 1j)):
+        with pytest.raises(ts.InvalidArgumentError, match="have complex128"):
+            take()
+    whole = np.ma.array(values.data - 30)  # nothing of it is masked
+    assert_same(ts.mesh(ts.Volume.from_array(whole, spacing=1)), ts.mesh(ts.Volume.from_array(whole.data, spacing=1)))
+
+
 def test_grids_of_pyopenvdb_are_volumes(ball, mesh, monkeypatch):
     module = types.ModuleType("pyopenvdb")  # which has to be nothing but able to write a file
 

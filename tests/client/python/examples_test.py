@@ -5,7 +5,9 @@ import re
 import struct
 import subprocess
 import sys
+import zlib
 
+import numpy as np
 import pytest
 
 import tetstream as ts
@@ -66,6 +68,34 @@ def test_every_cell_of_the_notebook_runs(tmp_path, monkeypatch):
     pictures = [one._repr_html_() for one in shown if isinstance(one, ts.Mesh)]
     assert len(pictures) == 2 and all("data:image/png;base64," in picture for picture in pictures)
     size_of_picture(tmp_path / "wave.png")
+
+
+def pixels_of(png):
+    """Those of one of our own pictures: rows of three bytes each."""
+    width, height = struct.unpack(">II", png[16:24])
+    at, data = 33, b""
+    while (kind := png[at + 4:at + 8]) != b"IEND":
+        size, = struct.unpack(">I", png[at:at + 4])
+        data += png[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += size + 12
+    rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, 1 + 3 * width)
+    return rows[:, 1:].reshape(-1, 3)
+
+
+def test_a_picture_is_grey_where_nothing_is_known():
+    ball = ts.mesh(ts.sphere(1), spacing=0.2)
+    heights = ball.points[:, 2].copy()
+    all_known = ball.picture(size=(64, 64), values=heights)
+    assert not any(len(set(pixel)) == 1 for pixel in pixels_of(all_known).tolist() if min(pixel) < 255)
+    masked = ball.picture(size=(64, 64), values=np.ma.masked_greater(heights, 0))
+    for unknown in (np.nan, np.inf, -np.inf):
+        drawn = ball.picture(size=(64, 64), values=np.where(heights > 0, unknown, heights))
+        assert drawn == masked
+        seen = [len(set(pixel)) for pixel in pixels_of(drawn).tolist() if min(pixel) < 255]
+        assert 0.2 * len(seen) < seen.count(1) < 0.8 * len(seen)
+    nothing = ball.picture(size=(64, 64), values=np.full(len(heights), np.nan))
+    assert all(len(set(pixel)) == 1 for pixel in pixels_of(nothing).tolist())
+    assert ball.picture(size=(64, 64), values=1e308 * heights) == all_known
 
 
 def test_a_picture_shows_what_is_there():
