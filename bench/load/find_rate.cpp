@@ -4,11 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "bench/load/units.h"
+
 namespace tet::load {
 namespace {
-
-/// A service that keeps its goals at this rate is not meshing.
-constexpr double kMaxPerSecond = 1e6;
 
 class Search {
  public:

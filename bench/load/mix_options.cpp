@@ -1,5 +1,6 @@
 #include "bench/load/mix_options.h"
 
+#include <cstdint>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -151,6 +152,7 @@ absl::StatusOr<RequestMix> prepare_mix(const std::vector<MixArguments>& argument
                                        ProgressBar& bar,
                                        const Cancellation& interruption) {
   std::vector<MixEntry> entries;
+  const std::uint64_t fresh_from = draw_fresh_from();
   for (const MixArguments& some : arguments) {
     if (absl::Status status = check(some); !status.ok()) return status;
     for (const std::string& grid : some.grids) {
@@ -159,6 +161,7 @@ absl::StatusOr<RequestMix> prepare_mix(const std::vector<MixArguments>& argument
         return absl::Status(entry.status().code(),
                             absl::StrCat(grid, ": ", entry.status().message()));
       }
+      if (entry->fresh) entry->fresh_from = fresh_from;
       entries.push_back(*std::move(entry));
     }
   }

@@ -65,6 +65,7 @@ Json mix_json(const std::vector<MixEntry>& mix) {
              {"fresh", entry.fresh},
              {"kind", entry.kind == RequestKind::kJob ? "job" : "stream"}};
     one["skip_cache"] = entry.skip_cache;
+    if (entry.fresh) one["fresh_from"] = entry.fresh_from;
     if (entry.iso) one["iso_range"] = {entry.iso->low, entry.iso->high};
     json.push_back(std::move(one));
   }

@@ -7,6 +7,8 @@
 
 namespace tet::load {
 
+std::uint64_t draw_fresh_from() { return std::random_device()() % (1u << 30); }
+
 RequestMix::RequestMix(std::vector<MixEntry> entries) : entries_(std::move(entries)) {
   for (const MixEntry& entry : entries_) weight_ += entry.weight;
 }
@@ -28,7 +30,8 @@ RequestMix::Drawn RequestMix::draw(std::mt19937_64& random) {
     drawn.message.set_iso(std::lerp(entry.iso->low, entry.iso->high, uniform_number(random)));
   }
   if (entry.fresh) {
-    const double growth = 1e-12 * static_cast<double>(++drawn_);
+    // Some four units in the last place: products with any spacing stay apart.
+    const double growth = 1e-15 * static_cast<double>(entry.fresh_from + ++drawn_);
     drawn.message.set_spacing(drawn.message.spacing() * (1 + growth));
   }
   return drawn;

@@ -24,12 +24,19 @@ struct MixEntry {
   tetstream::v1::MeshRequest message;
   std::optional<IsoRange> iso;  ///< each request takes its own from here, uniformly
   /// Each request asks for a mesh that the server has not planned before: the spacing, which
-  /// must be set, grows by 1e-12 of itself each time.
+  /// must be set, grows by 1e-15 of itself for each that the mix has drawn.
   bool fresh = false;
+  /// How many it counts as drawn before its first: another number in each run, as a server may
+  /// know the meshes of those before.
+  std::uint64_t fresh_from = 0;
   std::int64_t tet_count = 0;  ///< of the message as it is
   RequestKind kind = RequestKind::kStream;
   bool skip_cache = false;
 };
+
+/// Where a run may begin to count its fresh meshes: of 2^30 places, so that hardly two runs of
+/// a million requests meet, and spacings grow by no more than 1.1e-6 of themselves.
+std::uint64_t draw_fresh_from();
 
 /// Draws requests at random. Not thread-safe.
 class RequestMix {
@@ -42,7 +49,8 @@ class RequestMix {
     std::size_t entry = 0;
     tetstream::v1::MeshRequest message;
   };
-  /// Draws an entry and an iso value, which depend on the state of `random` alone.
+  /// Draws an entry and an iso value, which depend on the state of `random` alone; of fresh
+  /// entries the spacing does not.
   Drawn draw(std::mt19937_64& random);
 
  private:

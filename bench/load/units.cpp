@@ -33,6 +33,10 @@ absl::Status not_a_rate(absl::string_view text) {
 absl::StatusOr<double> parse_rate(absl::string_view text) {
   double rate = 0;
   if (!absl::SimpleAtod(text, &rate) || !std::isfinite(rate)) return not_a_rate(text);
+  if (rate > kMaxPerSecond) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("rate %s is over %.0f a second", text, kMaxPerSecond));
+  }
   if (rate > 0) return rate;
   return absl::InvalidArgumentError(absl::StrCat("rate ", text, " is not positive"));
 }

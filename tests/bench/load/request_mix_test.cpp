@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <map>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,6 +75,28 @@ TEST(RequestMix, AsksForAnotherMeshEachTimeWhenFresh) {
   for (int i = 0; i < 1000; ++i) ++spacings[mix.draw(random).message.spacing()];
   EXPECT_EQ(spacings.size(), 1000u);
   EXPECT_NEAR(spacings.rbegin()->first, 0.1, 1e-9);
+}
+
+TEST(RequestMix, SharesNoFreshMeshWithAnotherRun) {
+  constexpr std::uint64_t kLast = (1 << 30) - 1;
+  EXPECT_LE(draw_fresh_from(), kLast);
+  std::set<std::uint64_t> drawn;
+  for (int i = 0; i < 8; ++i) drawn.insert(draw_fresh_from());
+  EXPECT_GT(drawn.size(), 1u);
+  for (const double spacing : {0.1, 0.5, 0.999, 1.0, 1.001, 3.0}) {
+    std::map<double, int> spacings;
+    for (const std::uint64_t fresh_from : {std::uint64_t{0}, std::uint64_t{1000}, kLast}) {
+      MixEntry entry = entry_of("ball", 1);
+      entry.fresh = true;
+      entry.fresh_from = fresh_from;
+      entry.message.set_spacing(spacing);
+      RequestMix mix({entry});
+      std::mt19937_64 random(1);
+      for (int i = 0; i < 1000; ++i) ++spacings[mix.draw(random).message.spacing()];
+    }
+    EXPECT_EQ(spacings.size(), 3000u) << spacing;
+    EXPECT_NEAR(spacings.rbegin()->first, spacing, 1.1e-6 * spacing);
+  }
 }
 
 class MixFile : public testing::Test {

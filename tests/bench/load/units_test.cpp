@@ -44,6 +44,15 @@ TEST(ParseRates, RefusesWhatIsNoRate) {
   }
 }
 
+TEST(ParseRates, RefusesMoreThanCanBeOffered) {
+  EXPECT_THAT(*parse_rates("1e6"), ElementsAre(1e6));
+  for (const char* text : {"1000001", "1e9", "1e300", "5,1e9", "1:1e9:3"}) {
+    const auto rates = parse_rates(text);
+    ASSERT_FALSE(rates.ok()) << text;
+    EXPECT_THAT(std::string(rates.status().message()), HasSubstr("is over 1000000 a second"));
+  }
+}
+
 TEST(Show, TakesThreeDigitsAndAUnit) {
   EXPECT_EQ(show_time(0ns), "0 s");
   EXPECT_EQ(show_time(1234ns), "1.23 us");
