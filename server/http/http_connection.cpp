@@ -16,6 +16,9 @@ constexpr std::size_t kPieceBytes = 512 << 10;
 // What one connection is read of in its turn, in buffers: who sends as fast as we read would
 // keep the thread from all others.
 constexpr int kMostReads = 16;
+// And how many requests it is answered in its turn: a buffer holds two thousand that ask for
+// something larger than themselves.
+constexpr int kMostHeads = 8;
 // Two chunks of a mesh on their way hide what making the next one takes.
 constexpr std::size_t kRoomBytes = 512 << 10;
 // What anyone may send though others have filled the room of all: a question, as no body is.
@@ -122,8 +125,23 @@ void HttpConnection::happened(std::uint32_t events) {
   watch();
 }
 
+/// What throws leaves half a step behind, or bytes that are nowhere: nobody could go on there.
+template <class Function>
+void HttpConnection::or_close(const Function& work) {
+  try {
+    work();
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
 void HttpConnection::receive() {
-  for (int reads = 0; wants_input(); ++reads) {
+  or_close([this] { receive_some(); });
+}
+
+void HttpConnection::receive_some() {
+  for (int reads = 0; wants_input() && !receives_later_; ++reads) {
     if (reads == kMostReads) return receive_later();
     std::size_t got = 0;
     const Io io = socket_.read(shared_.received, got);
@@ -141,12 +159,13 @@ void HttpConnection::receive() {
   }
 }
 
-/// Lets others have their turns before more is read. No event tells of what TLS has read
-/// already.
+/// Lets others have their turns before more is read or answered. No event tells of what we, or
+/// TLS, have read already.
 void HttpConnection::receive_later() {
   if (std::exchange(receives_later_, true)) return;
   shared_.place.loop.post([self = shared_from_this()] {
     self->receives_later_ = false;
+    self->process();
     self->receive();
     self->watch();
   });
@@ -167,9 +186,12 @@ bool HttpConnection::account() {
 }
 
 void HttpConnection::process() {
-  if (std::exchange(processing_, true)) return;
-  while (step()) {
-  }
+  if (receives_later_ || std::exchange(processing_, true)) return;
+  heads_ = 0;
+  or_close([this] {
+    while (step()) {
+    }
+  });
   processing_ = false;
   // What is counted is what has come, and never less than half of the memory.
   if (in_.capacity() > 2 * in_.size()) in_.shrink_to_fit();
@@ -181,6 +203,10 @@ bool HttpConnection::step() {
   switch (state_) {
     case State::kIdle:
       if (in_.empty()) return false;
+      if (heads_++ == kMostHeads) {
+        receive_later();
+        return false;
+      }
       enter(State::kHead, shared_.limits.head_time);
       return true;
     case State::kHead:

@@ -101,7 +101,10 @@ class HttpConnection final : public AnswerStream,
   void enter(State state, std::optional<std::chrono::seconds> patience);
   void watch();
   bool wants_input() const;
+  template <class Function>
+  void or_close(const Function& work);
   void receive();
+  void receive_some();
   void receive_later();
   void drop_input();
   bool account();
@@ -130,6 +133,7 @@ class HttpConnection final : public AnswerStream,
   std::shared_ptr<Exchange> exchange_;
   bool wants_piece_ = false, piecewise_ = false, keep_alive_ = true, ended_ = false;
   bool processing_ = false, receives_later_ = false;
+  int heads_ = 0;  ///< that were begun in this turn
   std::deque<Outgoing> out_;
   std::size_t queued_ = 0;              ///< bytes in it
   Clock::time_point last_taken_;        ///< when the socket last took something
