@@ -42,6 +42,14 @@ class TokensAndTls(HttpTest):
     def bearer(self, token=None):
         return {"Authorization": f"Bearer {token or self.token}"}
 
+    def test_what_comes_without_a_token_is_not_looked_at(self):
+        wrong = b'{"mesh": [' + b"{}," * 1000
+        kind = {"Content-Type": "application/json"}
+        status, _, body = self.ask("POST", "/v1/jobs", wrong, kind)
+        self.assertEqual(status, 401)
+        self.assertIn(b"TOKEN_MISSING", body)
+        self.assertEqual(self.ask("POST", "/v1/jobs", wrong, {**kind, **self.bearer()})[0], 400)
+
     def test_a_token_is_asked_for(self):
         status, said = self.json("GET", "/v1/grids")
         self.assertEqual((status, said["error"]["reason"]), (401, "TOKEN_MISSING"))
