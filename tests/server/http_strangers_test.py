@@ -136,27 +136,6 @@ class Strangers(Guests):
         said = self.raw((get + b"\r\n") * 500 + get + b"Connection: close\r\n\r\n")
         self.assertEqual(said.count(b"HTTP/1.1 200 OK"), 501)
 
-    def test_who_asks_without_an_end_leaves_others_their_turns(self):
-        count, received, begun = 10_000, [0], threading.Event()
-        asking = socket.create_connection((self.host, self.port), GENEROUS_END)
-        self.addCleanup(asking.close)
-
-        def read_all():
-            while got := len(asking.recv(1 << 20)):
-                received[0] += got
-                begun.set()
-
-        reads = threading.Thread(target=read_all)
-        reads.start()
-        get = b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n"
-        asking.sendall((get + b"\r\n") * count + get + b"Connection: close\r\n\r\n")
-        self.assertTrue(begun.wait(GENEROUS_END))
-        self.assertEqual(self.answers(HEALTH), 200)
-        until_then = received[0]
-        reads.join()
-        self.assertGreater(received[0], count * 10_000)
-        self.assertLess(until_then, received[0] / 2)
-
     def test_every_answer_says_what_a_page_may_do(self):
         for path in ("/healthz", "/nothing", "/v1/openapi.json", "/v1/jobs"):
             _, headers, _ = self.ask("GET", path)

@@ -1,12 +1,15 @@
 #include "server/http/http_connection.h"
 
 #include <array>
+#include <chrono>
+#include <map>
 #include <memory>
 #include <new>
 #include <string>
 #include <string_view>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -17,40 +20,81 @@ namespace {
 std::array<Descriptor, 2> ends() {
   std::array<int, 2> numbers{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, numbers.data()) != 0) return {};
-  const timeval patience{.tv_sec = 60, .tv_usec = 0};
+  const timeval patience{.tv_sec = 600, .tv_usec = 0};
   ::setsockopt(numbers[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   return {Descriptor(numbers[0]), Descriptor(numbers[1])};
 }
 
-TEST(HttpConnection, IsClosedWhereMemoryEndsAmidARequest) {
-  using namespace std::chrono_literals;
-  EventLoop loop(10ms, [] {});
-  HttpPlace place{.loop = loop,
-                  .gate = HttpGate(true, ""),
-                  .page = {},
-                  .open_api = {},
-                  .grpc_place = {},
-                  .stub = nullptr,
-                  .metrics = []() -> std::string { throw std::bad_alloc(); },
-                  .history = nullptr,
-                  .ready = [] { return true; }};
-  auto [client, served] = ends();
-  std::shared_ptr<HttpConnection> connection;
-  HttpShared shared{.place = place,
-                    .limits = {},
-                    .refused = [](int) {},
-                    .closed = [&](int) { connection = nullptr; },
-                    .make_room = [](const HttpConnection&) { return false; }};
-  connection = std::make_shared<HttpConnection>(
-      shared, HttpSocket(std::move(served), nullptr, "ipv4:127.0.0.1:1"));
-  connection->open();
-  loop.start();
-  constexpr std::string_view kRequest = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
-  ASSERT_EQ(::send(client.number(), kRequest.data(), kRequest.size(), 0),
-            static_cast<ssize_t>(kRequest.size()));
+/// Connections on a loop that has not begun, or that a test has begun.
+class HttpConnectionTest : public testing::Test {
+ protected:
+  ~HttpConnectionTest() override { loop_.stop(); }
+
+  /// The client's end of a connection that has sent this.
+  Descriptor connect(std::string_view sent) {
+    auto [client, served] = ends();
+    EXPECT_EQ(::send(client.number(), sent.data(), sent.size(), 0),
+              static_cast<ssize_t>(sent.size()));
+    const int number = served.number();
+    connections_[number] = std::make_shared<HttpConnection>(
+        shared_, HttpSocket(std::move(served), nullptr, "ipv4:127.0.0.1:1"));
+    connections_[number]->open();
+    return std::move(client);
+  }
+
+  EventLoop loop_{std::chrono::milliseconds(10), [] {}};
+  HttpPlace place_{.loop = loop_,
+                   .gate = HttpGate(true, ""),
+                   .page = {},
+                   .open_api = {},
+                   .grpc_place = {},
+                   .stub = nullptr,
+                   .metrics = nullptr,
+                   .history = nullptr,
+                   .ready = [] { return true; }};
+  std::map<int, std::shared_ptr<HttpConnection>> connections_;
+  HttpShared shared_{.place = place_,
+                     .limits = {},
+                     .refused = [](int) {},
+                     .closed = [this](int number) { connections_.erase(number); },
+                     .make_room = [](const HttpConnection&) { return false; }};
+};
+
+constexpr std::string_view kMetrics = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+TEST_F(HttpConnectionTest, IsClosedWhereMemoryEndsAmidARequest) {
+  place_.metrics = []() -> std::string { throw std::bad_alloc(); };
+  const Descriptor client = connect("");
+  loop_.start();
+  ASSERT_EQ(::send(client.number(), kMetrics.data(), kMetrics.size(), 0),
+            static_cast<ssize_t>(kMetrics.size()));
   char answer = 0;
   EXPECT_EQ(::recv(client.number(), &answer, 1, 0), 0) << "it is open";
-  loop.stop();
+}
+
+TEST_F(HttpConnectionTest, LeavesOthersTheirTurnsHoweverMuchItAsks) {
+  constexpr int kAsked = 100;
+  int answered = 0, before_the_other = -1;
+  place_.metrics = [&] { return std::to_string(++answered); };
+  place_.ready = [&] {
+    before_the_other = answered;
+    return true;
+  };
+  std::string many;
+  for (int i = 0; i < kAsked; ++i) many += kMetrics;
+  const Descriptor one = connect(many);
+  const Descriptor other = connect("GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(before_the_other, 8);
+  loop_.start();
+  std::array<char, 4096> some{};
+  std::string all;
+  while (all.find("\r\n\r\n100") == std::string::npos) {
+    const ssize_t got = ::recv(one.number(), some.data(), some.size(), 0);
+    ASSERT_GT(got, 0) << all;
+    all.append(some.data(), static_cast<std::size_t>(got));
+  }
+  EXPECT_EQ(::recv(other.number(), some.data(), 12, 0), 12);
+  EXPECT_EQ(std::string_view(some.data(), 12), "HTTP/1.1 200");
 }
 
 }  // namespace
