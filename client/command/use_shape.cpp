@@ -96,8 +96,9 @@ absl::Status check_fidelity(const MeshOptions& options,
     pool.run([&] {
       fidelity = measure_fidelity(made.mesh, *made.shape, options.request, interruption);
     });
-    if (fidelity.ok()) made.fidelity = *std::move(fidelity);
-    return fidelity.status();
+    if (!fidelity.ok()) return fidelity.status();
+    made.fidelity = *std::move(fidelity);
+    return absl::OkStatus();
   });
   if (auto status = check_cancelled(interruption); !status.ok()) return status;
   made.stages.push_back({"checking", watch.seconds()});

@@ -137,7 +137,9 @@ class CellSigns {
     const VolumeReader::Brick found = reader_.brick(voxels);
     const bool min_inside = field_.phi(found.range.min) < 0;
     const bool max_inside = field_.phi(found.range.max) < 0;
-    if (min_inside != max_inside) return add_values(found.values, x, y, z);
+    if (found.values != nullptr && min_inside != max_inside) {
+      return add_values(found.values, x, y, z);
+    }
     add_slices(min_inside ? inside_ : outside_, any_of(x), rows_of(any_of(y), any_of(z)));
   }
 

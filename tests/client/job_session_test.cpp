@@ -32,7 +32,7 @@ class JobSessionTest : public testing::Test {
   }
 
   std::vector<std::string> seen_;
-  const Cancellation never_;
+  Cancellation never_;
 };
 
 TEST_F(JobSessionTest, GoesOnBehindAJobWhoseResultIsDamaged) {
