@@ -22,6 +22,7 @@
 #include "client/command/request_options.h"
 #include "client/command/server_options.h"
 #include "client/library/mesh_client.h"
+#include "client/library/read_grids.h"
 #include "client/library/text_file.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
