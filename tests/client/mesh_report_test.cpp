@@ -149,13 +149,13 @@ TEST(MeshReport, SaysInOneLineThatAllTetsLieOnOneSide) {
   MadeMesh made = made_both_sides();
   made.is_written = true;  // and counted while it was
   made.tets_inside = 0;
-  EXPECT_THAT(
-      summary_line("cube.vtu", made, 0.25),
-      HasSubstr("6 tets (0 inside, 6 outside: the surface does not reach into the box), "));
+  EXPECT_THAT(summary_line("cube.vtu", made, 0.25),
+              testing::HasSubstr(
+                  "6 tets (0 inside, 6 outside: the surface does not reach into the box), "));
   made.tets_inside = 6;
-  EXPECT_THAT(
-      summary_line("cube.vtu", made, 0.25),
-      HasSubstr("6 tets (6 inside, 0 outside: the surface does not reach into the box), "));
+  EXPECT_THAT(summary_line("cube.vtu", made, 0.25),
+              testing::HasSubstr(
+                  "6 tets (6 inside, 0 outside: the surface does not reach into the box), "));
 }
 
 TEST(ExitCode, TellsWhoIsToBlame) {
