@@ -62,6 +62,25 @@ struct BrickMask {
   friend constexpr bool operator==(const BrickMask&, const BrickMask&) = default;
 };
 
+/// A slice's bits for the cells at `z` of each of the rows at `y`: one bit for each of eight.
+constexpr std::uint64_t rows_at(std::uint8_t y, std::uint8_t z) noexcept {
+  std::uint64_t rows = 0;
+  for (unsigned bits = y; bits != 0; bits &= bits - 1) {
+    rows |= std::uint64_t{z} << 8 * std::countr_zero(bits);
+  }
+  return rows;
+}
+
+/// The cells of a brick that are at one of `x`, of `y` and of `z`, likewise.
+constexpr BrickMask cells_at(std::uint8_t x, std::uint8_t y, std::uint8_t z) noexcept {
+  const std::uint64_t rows = rows_at(y, z);
+  BrickMask mask;
+  for (unsigned bits = x; bits != 0; bits &= bits - 1) {
+    mask.slice[static_cast<std::size_t>(std::countr_zero(bits))] = rows;
+  }
+  return mask;
+}
+
 /// What the next cells along `axis` say: bit (x, y, z) is that of the cell one step up, which
 /// for the last ones lies in the neighbour `beyond`.
 constexpr BrickMask next_along(int axis,

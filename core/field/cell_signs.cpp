@@ -39,15 +39,6 @@ std::uint8_t any_of(const CellsOfVoxels& cells) noexcept {
   return any;
 }
 
-/// A slice's bits for the cells `z` of each of the rows `y`.
-std::uint64_t rows_of(std::uint8_t y, std::uint8_t z) noexcept {
-  std::uint64_t rows = 0;
-  for (unsigned bits = y; bits != 0; bits &= bits - 1) {
-    rows |= std::uint64_t{z} << 8 * std::countr_zero(bits);
-  }
-  return rows;
-}
-
 void add_slices(BrickMask& mask, std::uint8_t x, std::uint64_t rows) noexcept {
   for (unsigned bits = x; bits != 0; bits &= bits - 1) {
     mask.slice[static_cast<std::size_t>(std::countr_zero(bits))] |= rows;
@@ -128,8 +119,8 @@ class CellSigns {
     if (region != nullptr) {
       return for_each_brick(part, [&](BrickCoord brick) { add_brick(brick); });
     }
-    add_slices(field_.phi(constant) < 0 ? inside_ : outside_, x_.of_all(min.x, max.x),
-               rows_of(y_.of_all(min.y, max.y), z_.of_all(min.z, max.z)));
+    (field_.phi(constant) < 0 ? inside_ : outside_) |=
+        cells_at(x_.of_all(min.x, max.x), y_.of_all(min.y, max.y), z_.of_all(min.z, max.z));
   }
 
   void add_brick(BrickCoord voxels) noexcept {
@@ -140,7 +131,7 @@ class CellSigns {
     if (found.values != nullptr && min_inside != max_inside) {
       return add_values(found.values, x, y, z);
     }
-    add_slices(min_inside ? inside_ : outside_, any_of(x), rows_of(any_of(y), any_of(z)));
+    (min_inside ? inside_ : outside_) |= cells_at(any_of(x), any_of(y), any_of(z));
   }
 
   void add_values(const float* values,
@@ -154,8 +145,8 @@ class CellSigns {
         for (std::size_t k = 0; k < 8; ++k) {
           (field_.phi(*values++) < 0 ? z_inside : z_outside) |= z[k];
         }
-        inside |= rows_of(y[j], z_inside);
-        outside |= rows_of(y[j], z_outside);
+        inside |= rows_at(y[j], z_inside);
+        outside |= rows_at(y[j], z_outside);
       }
       add_slices(inside_, x[i], inside);
       add_slices(outside_, x[i], outside);

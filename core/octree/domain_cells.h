@@ -65,19 +65,9 @@ class DomainCells {
       for (unsigned i = 0; i < 8; ++i) {
         if (holds(range, std::int64_t{8} * b + i)) set |= 1U << i;
       }
-      return set;
+      return static_cast<std::uint8_t>(set);
     };
-    const unsigned x = bits(axis_[0], brick.x), y = bits(axis_[1], brick.y),
-                   z = bits(axis_[2], brick.z);
-    std::uint64_t slice = 0;
-    for (unsigned i = 0; i < 8; ++i) {
-      if ((y >> i & 1) != 0) slice |= std::uint64_t{z} << (8 * i);
-    }
-    BrickMask set;
-    for (std::size_t i = 0; i < 8; ++i) {
-      if ((x >> i & 1) != 0) set.slice[i] = slice;
-    }
-    return set;
+    return cells_at(bits(axis_[0], brick.x), bits(axis_[1], brick.y), bits(axis_[2], brick.z));
   }
 
   std::array<Range, 3> axis_;

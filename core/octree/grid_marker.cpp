@@ -171,16 +171,8 @@ class GridMarker::Marks {
     const BrickBox bricks{{brick(first[0]), brick(first[1]), brick(first[2])},
                           {brick(last[0]), brick(last[1]), brick(last[2])}};
     for_each_brick(bricks, [&](BrickCoord b) {
-      const std::uint8_t x = cells_along(range, 0, b.x), y = cells_along(range, 1, b.y),
-                         z = cells_along(range, 2, b.z);
-      std::uint64_t rows = 0;
-      for (unsigned i = 0; i < kBrickEdge; ++i) {
-        if ((y >> i & 1) != 0) rows |= std::uint64_t{z} << 8 * i;
-      }
-      BrickMask& mask = marks[b];
-      for (unsigned i = 0; i < kBrickEdge; ++i) {
-        if ((x >> i & 1) != 0) mask.slice[i] |= rows;
-      }
+      marks[b] |= cells_at(cells_along(range, 0, b.x), cells_along(range, 1, b.y),
+                           cells_along(range, 2, b.z));
     });
   }
 
