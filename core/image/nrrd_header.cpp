@@ -165,14 +165,16 @@ Axes directed_axes(const NrrdFields& fields, const std::vector<std::int64_t>& si
   }
   Axes axes;
   std::vector<std::int64_t> others;
+  std::int64_t largest = 1;  // of the others
   bool mixed = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::optional<Triple> step = vector_of(words[i], "space directions");
     if (!step) {
       others.push_back(sizes[i]);
+      largest = std::max(largest, sizes[i]);
       continue;
     }
-    mixed = mixed || (!others.empty() && *std::max_element(others.begin(), others.end()) > 1);
+    mixed = mixed || largest > 1;
     if (axes.sizes.size() == 3) refuse_image("it has more than 3 space directions");
     axes.steps[axes.sizes.size()] = *step;
     axes.sizes.push_back(sizes[i]);
@@ -183,12 +185,11 @@ Axes directed_axes(const NrrdFields& fields, const std::vector<std::int64_t>& si
         "overlaps, export a label map)",
         others.front()));
   }
-  const bool without = !others.empty() && *std::max_element(others.begin(), others.end()) > 1;
-  if (axes.sizes.size() < 3 && without) {
+  if (axes.sizes.size() < 3 && largest > 1) {
     refuse_contents(absl::StrFormat(
         "it has directions for %d axes, and an axis of %d without one: write one slice, or a "
         "direction for each axis",
-        axes.sizes.size(), *std::max_element(others.begin(), others.end())));
+        axes.sizes.size(), largest));
   }
   axes.sizes.insert(axes.sizes.end(), others.begin(), others.end());
   if (const std::string* origin = fields.find("space origin")) {
@@ -357,9 +358,9 @@ DetachedHeader read_detached_nrrd(std::span<const std::byte> head) {
   if (skip != 0 && !raw) {
     // By the format these are bytes of what the file unpacks to.
     refuse_contents(
-        absl::StrFormat("its data are packed and %d bytes of them are to be skipped ('byte "
-                        "skip'): unpack them, "
-                        "or pack them without those",
+        absl::StrFormat("%d bytes of its packed data are to be skipped ('byte skip'): unpack "
+                        "them, or pack them "
+                        "without those",
                         skip));
   }
   if (header.files.size() > 1 && !raw) {

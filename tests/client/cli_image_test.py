@@ -278,7 +278,7 @@ class ImageFormats(ImageCase):
         whole = numpy.clip(numpy.round(values), 1, 127).astype("i2")
         self.write("skipped.raw.gz", gzip.compress(b"12345" + whole.astype("<i2").tobytes(order="F")))
         header = nrrd(whole, affine, data_file="skipped.raw.gz", encoding="gzip", extra=["byte skip: 5"])
-        self.assert_refused(self.write("packed.nhdr", header), "5 bytes of them are to be skipped", "unpack them")
+        self.assert_refused(self.write("packed.nhdr", header), "5 bytes of its packed data are to be skipped", "unpack them")
         planes = nrrd(whole, affine).replace(b" (0.0,0.0,1.0)", b" none")
         self.assertIn(b" none", planes)
         self.assert_refused(self.write("planes.nrrd", planes), "directions for 2 axes",
