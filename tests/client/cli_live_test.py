@@ -48,49 +48,33 @@ class Interruption(CommandTest):
         self.assertEqual(code, 128 + signal.SIGTERM, errors)
         self.assert_nothing_written()
 
-    def interrupt_while_writing(self, spacing):
-        """The temporary file is there, so it must be writing; then the signal comes."""
-        process = subprocess.Popen(
-            [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb",
-             "-o", self.out / "m.msh",
-             "--levels", "0", "--spacing", str(spacing)],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        wait_until(lambda: process.poll() is not None or self.unfinished_bytes() > 0)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=GENEROUS_END)
-        return process.returncode, errors
+    def interrupt_in_time(self, output, comes, spacings, *options):
+        """Sends the signal once `comes` says so; where the mesh is whole before that is heeded, a larger one takes longer."""
+        for spacing in spacings:
+            process = subprocess.Popen(
+                [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb", "-o", output, *options,
+                 "--spacing", str(spacing)],
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            wait_until(lambda: process.poll() is not None or comes())  # noqa: B023
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=GENEROUS_END)
+            if process.returncode != DONE:
+                break
+            for file in self.out.iterdir():
+                file.unlink()
+        self.assertEqual(process.returncode, 130, errors)
+        return errors
 
     def test_while_writing_removes_the_unfinished_file(self):
-        for spacing in (0.02, 0.016, 0.012, 0.01):
-            code, errors = self.interrupt_while_writing(spacing)
-            if code != DONE:
-                break
-            (self.out / "m.msh").unlink()  # the signal came too late: a larger one takes longer
-        self.assertEqual(code, 130, errors)
+        self.interrupt_in_time(self.out / "m.msh", lambda: self.unfinished_bytes() > 0, (0.02, 0.016, 0.012, 0.01),
+                               "--levels", "0")
         self.assert_nothing_written()
 
-    def interrupt_while_checking(self, spacing):
-        """The mesh has its file, so it must be measuring for the report; then the signal comes."""
-        mesh = self.out / "m.vtu"
-        process = subprocess.Popen(
-            [binaries() / "tetstream", "mesh", self.inputs / "sphere.vdb", "-o", mesh, "--spacing", str(spacing),
-             "--report", self.out / "r.json"],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        wait_until(lambda: process.poll() is not None or mesh.exists())
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=GENEROUS_END)
-        return process.returncode, errors
-
     def test_while_measuring_for_the_report_leaves_the_mesh(self):
-        for spacing in (0.03, 0.02, 0.015, 0.01):
-            code, errors = self.interrupt_while_checking(spacing)
-            if code != DONE:
-                break
-            (self.out / "m.vtu").unlink()  # the signal came too late: a larger one takes longer
-            (self.out / "r.json").unlink()
-        self.assertEqual(code, 130, errors)
+        mesh = self.out / "m.vtu"  # once it has its file, it must be measuring
+        errors = self.interrupt_in_time(mesh, mesh.exists, (0.03, 0.02, 0.015, 0.01), "--report", self.out / "r.json")
         self.assertIn("m.vtu is there, but no report", errors)
-        self.assertEqual([path.name for path in self.out.iterdir()], ["m.vtu"])
+        self.assertEqual(list(self.out.iterdir()), [mesh])
 
     def test_stops_conversions_at_once(self):
         (self.inputs / "cube.obj").write_text(CUBE + LID)

@@ -67,6 +67,16 @@ TetMesh part(const TetMesh& whole, MeshRegion region) {
   return mesh;
 }
 
+/// Looks whether the mesh conforms and keeps the preset's bounds, and returns what it measured.
+QualityStats expect_sound(const TetMesh& mesh) {
+  const ConformityReport report = check_conformity(mesh);
+  EXPECT_TRUE(report.conforming()) << report.describe();
+  const QualityStats measured = measure_quality(mesh);
+  EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
+  EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
+  return measured;
+}
+
 TEST(BothSides, ConformWithBoundedAnglesOnEveryField) {
   for (const auto& [name, volume] : test::few_of(fields(), 3)) {
     const bool harsh = name.starts_with("random") && !test::kSanitized;
@@ -74,11 +84,7 @@ TEST(BothSides, ConformWithBoundedAnglesOnEveryField) {
          harsh ? std::vector{0, 1, 2, kMaxLevels} : std::vector{0, kMaxLevels}) {
       SCOPED_TRACE(name + ", levels " + std::to_string(levels));
       const MeshResult result = mesh(volume, both_sides(levels));
-      const ConformityReport report = check_conformity(result.mesh);
-      EXPECT_TRUE(report.conforming()) << report.describe();
-      const QualityStats measured = measure_quality(result.mesh);
-      EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
-      EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
+      const QualityStats measured = expect_sound(result.mesh);
       EXPECT_NEAR(result.quality.min_dihedral_deg, measured.min_dihedral_deg, 1e-3);
       EXPECT_NEAR(result.quality.max_dihedral_deg, measured.max_dihedral_deg, 1e-3);
       EXPECT_NEAR(result.quality.volume, measured.volume, 1e-5 * measured.volume);
@@ -141,12 +147,7 @@ TEST(BothSides, CutTheSurfaceWhereTheBoxDoes) {
         SCOPED_TRACE(std::to_string(box.max.x) + ", levels " + std::to_string(levels));
         MeshRequest request = both_sides(levels);
         request.box = box;
-        const MeshResult result = mesh(volume, request);
-        const ConformityReport report = check_conformity(result.mesh);
-        EXPECT_TRUE(report.conforming()) << report.describe();
-        const QualityStats measured = measure_quality(result.mesh);
-        EXPECT_GT(measured.min_dihedral_deg, kBounds.min_deg);
-        EXPECT_LT(measured.max_dihedral_deg, kBounds.max_deg);
+        expect_sound(mesh(volume, request).mesh);
       }
     }
   }
@@ -165,11 +166,7 @@ TEST(BothSides, MeshABoxThatTheSurfaceDoesNotReachWithAnyNumberOfLevels) {
       MeshRequest request = both_sides(levels);
       request.box = box;
       const MeshResult result = mesh(ball, request);
-      const ConformityReport report = check_conformity(result.mesh);
-      EXPECT_TRUE(report.conforming()) << report.describe();
-      EXPECT_NEAR(result.quality.volume, volume_of(box), 1e-6 * volume_of(box));
-      EXPECT_GT(result.quality.min_dihedral_deg, kBounds.min_deg);
-      EXPECT_LT(result.quality.max_dihedral_deg, kBounds.max_deg);
+      EXPECT_NEAR(expect_sound(result.mesh).volume, volume_of(box), 1e-6 * volume_of(box));
       const MeshRegion side = inside ? MeshRegion::kInside : MeshRegion::kOutside;
       EXPECT_EQ(count_tets(result.mesh, side), result.mesh.header.tet_count);
     }
