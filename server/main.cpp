@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 
+#include "core/base/bare_option.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/posix/printed.h"
@@ -269,6 +270,12 @@ int run_command_line(int argc, char** argv) {
   CommandLine line;
   declare_options(app, line);
   try {
+    const std::string bare = tet::option_without_value({argv + std::min(argc, 1), argv + argc});
+    if (!bare.empty()) {
+      throw CLI::ValidationError(
+          absl::StrCat(bare, " has nothing behind its =: give it a value, write ", bare,
+                       " \"\" where that is to be empty, or leave it out"));
+    }
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;

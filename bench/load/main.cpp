@@ -1,4 +1,5 @@
 // tetstream-load: drives a running tetstreamd and measures how it answers.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -17,8 +18,10 @@
 #include "bench/load/search_load.h"
 #include "bench/load/stream_sender.h"
 #include "bench/load/units.h"
+#include "client/command/empty_values.h"
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
+#include "core/base/bare_option.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/posix/printed.h"
@@ -154,7 +157,10 @@ int run_command_line(int argc, char** argv) {
   add_manual_option(app, "1", "tetstream " TETSTREAM_VERSION);
   LoadArguments arguments;
   describe_load(app, arguments);
+  refuse_empty_values(app);
   try {
+    const std::string empty = option_without_value({argv + std::min(argc, 1), argv + argc});
+    if (!empty.empty()) throw CLI::ValidationError(no_value_message(empty));
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);

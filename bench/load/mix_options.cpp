@@ -9,10 +9,13 @@
 #include <absl/strings/match.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
+#include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
 
+#include "client/command/empty_values.h"
 #include "client/command/mesh_input.h"
 #include "client/library/wire_request.h"
+#include "core/base/bare_option.h"
 
 namespace tet::load {
 namespace {
@@ -99,7 +102,11 @@ absl::Status parse_line(const std::string& line, MixArguments& arguments) {
   CLI::App app;
   app.set_help_flag();
   describe_mix(app, arguments);
+  refuse_empty_values(app);
   try {
+    const std::string empty =
+        option_without_value(absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty()));
+    if (!empty.empty()) return absl::InvalidArgumentError(no_value_message(empty));
     app.parse(line);
   } catch (const CLI::ParseError& error) {
     return absl::InvalidArgumentError(error.what());

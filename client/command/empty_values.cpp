@@ -24,16 +24,6 @@ void refuse_empty_values(CLI::App& app) {
   }
 }
 
-std::string option_without_value(const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    if (word == "--") break;
-    if (word.starts_with("--") && word.find('=') == word.size() - 1) {
-      return word.substr(0, word.size() - 1);
-    }
-  }
-  return "";
-}
-
 std::string no_value_message(const std::string& option) {
   return absl::StrCat(option, ": ", kWhatToDo);
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 namespace CLI {
 class App;
@@ -15,11 +14,6 @@ namespace tet {
 /// that, as of `--until "$CUTOFF"`. `--grid` takes it, as grids may have no name. Call it when
 /// all options are there.
 void refuse_empty_values(CLI::App& app);
-
-/// The first of the words that is `--option=` and no more, without its `=`; empty where none
-/// is. CLI11 would take the next word for the value, whatever it is. Words after `--` are none
-/// of these.
-std::string option_without_value(const std::vector<std::string>& words);
 
 /// Says that it is `option` to which nothing was given.
 std::string no_value_message(const std::string& option);

@@ -14,6 +14,7 @@
 #include "client/command/exit_code.h"
 #include "client/command/interruption.h"
 #include "client/library/error_details.h"
+#include "core/base/bare_option.h"
 #include "core/base/contain.h"
 #include "core/base/parallel.h"
 #include "core/base/posix/printed.h"

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "client/command/command.h"
+#include "core/base/bare_option.h"
 
 namespace tet {
 namespace {

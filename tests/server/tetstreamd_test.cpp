@@ -93,6 +93,14 @@ TEST_F(TetstreamdTest, CallsAnUnknownOptionWrongUsage) {
   EXPECT_THAT(ended.err, HasSubstr("--stroe"));
 }
 
+TEST_F(TetstreamdTest, TakesNoOptionForTheValueOfAnother) {
+  const Ended swallowing = run({"--log-level=", "--print-config"});
+  EXPECT_EQ(swallowing.exit_code, 2);
+  EXPECT_THAT(swallowing.err, HasSubstr("--log-level has nothing behind its ="));
+  const Ended empty = run({"--http-listen", "", "--print-config"});
+  EXPECT_EQ(empty.exit_code, 0) << empty.err;
+}
+
 TEST_F(TetstreamdTest, SaysWhenItCannotListen) {
   const auto first = serve();
   const TestFolder other;

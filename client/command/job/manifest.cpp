@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/command/empty_values.h"
+#include "core/base/bare_option.h"
 
 namespace tet {
 namespace {

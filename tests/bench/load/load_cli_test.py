@@ -47,9 +47,16 @@ class Usage(LoadTest):
                 (["a.vdb", "--rate", "5", "--target", "p99"], "p99"),
                 (["a.vdb", "--find-rate"], "--target"),
                 (["a.vdb", "--find-rate", "--target", "p99=1s", "--trials", "2"], "odd"),
+                (["a.vdb", "--rate=", "--fresh"], "--rate", "empty"),
+                (["a.vdb", "--rate", "5", "--json", ""], "--json", "empty"),
                 (["a.vdb", "--rate", "5", "--fast"], "--fast")):
             with self.subTest(arguments):
                 self.assert_fails(self.load(*arguments), USAGE, *words)
+
+    def test_a_mix_with_an_option_that_has_no_value(self):
+        mix = self.inputs / "mix.txt"
+        mix.write_text("a.vdb --levels 1\na.vdb --iso= --levels 3\n")
+        self.assert_fails(self.load("--mix", mix, "--rate", "5"), USAGE, "mix.txt:2", "--iso", "empty")
 
     def test_an_output_that_cannot_be_written(self):
         self.assert_fails(
