@@ -28,7 +28,10 @@ std::array<Descriptor, 2> ends() {
 /// Connections on a loop that has not begun, or that a test has begun.
 class HttpConnectionTest : public testing::Test {
  protected:
-  ~HttpConnectionTest() override { loop_.stop(); }
+  ~HttpConnectionTest() override {
+    loop_.stop();
+    connections_.clear();  // before what they share
+  }
 
   /// The client's end of a connection that has sent this.
   Descriptor connect(std::string_view sent) {
