@@ -230,7 +230,8 @@ class Uploads(HttpTest):
         data = other.read_bytes()
         path, total = f"/v1/grids/{hashlib.sha256(data).hexdigest()}", len(data)
         self.assertEqual(self.ask("PUT", path, data[:-1], {"Content-Range": f"bytes 0-{total - 2}/{total}"})[0], 200)
-        part, = self.folder.glob("store/**/*.part")
+        part = self.folder / "store" / "uploads" / (path.rpartition("/")[2] + ".part")
+        self.assertEqual(part.stat().st_size, total - 1)
         with part.open("ab") as file:  # as a crash between the last write and its end leaves it
             file.write(data[-1:])
         status, said = self.json("GET", f"{path}:upload")
