@@ -16,9 +16,6 @@ constexpr std::chrono::milliseconds kOften{500};
 constexpr std::chrono::seconds kTick{1};
 constexpr std::chrono::minutes kSeldom{10};
 
-/// Clocks that differ by more are told of, and a store's clock that jumps by more has stepped.
-constexpr absl::Duration kFewSeconds = absl::Seconds(5);
-
 /// Nothing ends for so long after the store's clock has stepped: workers extend their leases by
 /// the new time, and somebody may set it right.
 constexpr std::chrono::minutes kAfterStep{10};
@@ -51,9 +48,11 @@ void JobJanitor::hold(Clock::duration time) {
 
 /// False if the store did not answer.
 bool JobJanitor::look_at_clocks() {
+  const Clock::time_point asked = Clock::now();
   const auto store_now = jobs_.ask_time();
+  const absl::Time here = absl::Now();
   if (store_now.ok()) {
-    compare(*store_now);
+    tell_clocks(clocks_.compare({*store_now, here, asked, Clock::now()}));
     return true;
   }
   tell("store_time", store_now.status());
@@ -61,24 +60,19 @@ bool JobJanitor::look_at_clocks() {
   return false;
 }
 
-void JobJanitor::compare(absl::Time store_now) {
-  const absl::Duration ahead = absl::Now() - store_now;
-  clock_ahead_ = absl::ToDoubleSeconds(ahead);
-  if (const bool differs = absl::AbsDuration(ahead) > kFewSeconds; differs != differs_) {
-    differs_ = differs;
-    log_event(differs ? spdlog::level::err : spdlog::level::info,
-              differs ? "clock_differs" : "clock_agrees",
-              {{"ahead_seconds", absl::ToDoubleSeconds(ahead)},
+void JobJanitor::tell_clocks(const ClockWatch::Finding& found) {
+  clock_ahead_ = absl::ToDoubleSeconds(found.ahead);
+  if (found.differs != differs_) {
+    differs_ = found.differs;
+    log_event(differs_ ? spdlog::level::err : spdlog::level::info,
+              differs_ ? "clock_differs" : "clock_agrees",
+              {{"ahead_seconds", absl::ToDoubleSeconds(found.ahead)},
                {"message", "of this host against the jobs' database, whose times hold"}});
   }
-  const absl::Duration now_ahead =
-      store_now - absl::UnixEpoch() - absl::FromChrono(Clock::now().time_since_epoch());
-  const absl::Duration before = std::exchange(store_ahead_, now_ahead);
-  if (before == absl::InfiniteDuration()) return;
-  if (absl::AbsDuration(now_ahead - before) <= kFewSeconds) return;
+  if (!found.step) return;
   hold(kAfterStep);
   log_event(spdlog::level::err, "store_clock_stepped",
-            {{"seconds", absl::ToDoubleSeconds(now_ahead - before)},
+            {{"seconds", absl::ToDoubleSeconds(*found.step)},
              {"message", "leases, times to live and purges wait for ten minutes"}});
 }
 

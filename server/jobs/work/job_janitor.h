@@ -11,6 +11,7 @@
 
 #include "server/jobs/results/result_store.h"
 #include "server/jobs/store/job_store.h"
+#include "server/jobs/work/clock_watch.h"
 #include "server/rpc/heartbeat.h"
 
 namespace tet {
@@ -28,11 +29,11 @@ class JobJanitor {
   double clock_ahead_seconds() const { return clock_ahead_.load(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = ClockWatch::Steady;
 
   void look_after_jobs();
   bool look_at_clocks();
-  void compare(absl::Time store_now);
+  void tell_clocks(const ClockWatch::Finding& found);
   void tell(const char* event, const absl::StatusOr<std::int64_t>& count);
   void tidy_up();
   void hold(Clock::duration time);
@@ -44,8 +45,8 @@ class JobJanitor {
   std::atomic<Clock::time_point> act_from_{Clock::time_point::min()};  ///< nothing ends before
   std::atomic<bool> failing_{false};                                   ///< and that was logged
   // These belong to the thread that looks often.
-  bool differs_ = false;                                   ///< and that was logged
-  absl::Duration store_ahead_ = absl::InfiniteDuration();  ///< of our monotonic clock
+  bool differs_ = false;  ///< and that was logged
+  ClockWatch clocks_;
   // This belongs to the thread that looks seldom.
   Clock::time_point tidy_from_ = Clock::time_point::min();
   Heartbeat often_, seldom_;
