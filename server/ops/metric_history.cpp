@@ -93,7 +93,9 @@ MetricHistory::Telling MetricHistory::tell(Clock::time_point now,
   const char* comma = "";
   for (const auto& sample : samples_) {
     telling.head_ += std::exchange(comma, ",");
-    append_number(std::chrono::duration<double>(now - sample->time).count(), telling.head_);
+    // A sample may have been taken after whoever asks looked at the clock.
+    const auto age = std::max(now - sample->time, Clock::duration::zero());
+    append_number(std::chrono::duration<double>(age).count(), telling.head_);
   }
   telling.head_ += "],\"samples\":{";
   return telling;

@@ -39,6 +39,12 @@ TEST(MetricHistory, SaysWhenEverySampleWasTakenAndWhatItWas) {
   EXPECT_EQ(answer["interval_seconds"], MetricHistory::kInterval.count());
 }
 
+TEST(MetricHistory, TellsOfNothingInTheFuture) {
+  MetricHistory history;
+  history.take(kStart + 1s, "a 1\n");  // between whoever asks reading the clock, and asking
+  EXPECT_EQ(told(history, kStart)["seconds_ago"], nlohmann::json({0.0}));
+}
+
 TEST(MetricHistory, HasNullWhereASeriesWasNotThere) {
   MetricHistory history;
   history.take(kStart, "early 1\n");
