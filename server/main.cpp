@@ -36,8 +36,6 @@
 
 namespace {
 
-/// Beyond the time that calls have, for all that is to be put away.
-constexpr std::chrono::seconds kGrace{10};
 constexpr std::chrono::seconds kLastWords{1};
 
 enum ExitCode { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
@@ -68,7 +66,7 @@ struct CommandLine {
 
 /// A worker answers no calls.
 bool concerns_worker(std::string_view key) {
-  constexpr std::array<std::string_view, 15> kKeys{"memory",
+  constexpr std::array<std::string_view, 16> kKeys{"memory",
                                                    "store",
                                                    "resident_bytes",
                                                    "plan_bytes",
@@ -79,6 +77,7 @@ bool concerns_worker(std::string_view key) {
                                                    "jobs",
                                                    "result_bytes",
                                                    "disk_reserve_bytes",
+                                                   "grace_seconds",
                                                    "log_level",
                                                    "log_buffer_bytes",
                                                    "metrics_listen",
@@ -231,7 +230,8 @@ int serve(const tet::Config& config, const sigset_t& signals) {
   const std::chrono::seconds lame_duck(
       signal == SIGTERM && !tet::stopped_listening() ? config.lame_duck_seconds : 0);
   const std::chrono::seconds drain(config.drain_seconds);
-  tet::end_after(lame_duck + drain + kGrace, signals);
+  const std::chrono::seconds grace(config.grace_seconds);
+  tet::end_after(lame_duck + drain + grace, signals);
   if (lame_duck.count() > 0) go_lame(**server, lame_duck);
   tet::log_event(spdlog::level::info, "draining", {{"signal", signal}});
   (*server)->stop(drain);
@@ -259,7 +259,7 @@ int work(const tet::Config& config, const sigset_t& signals) {
                  {{"metrics", (*worker)->metrics_address()}, {"version", TETSTREAM_VERSION}});
   tet::log_event(spdlog::level::info, "draining",
                  {{"signal", wait_for_end(signals, **worker)}});
-  tet::end_after(kGrace, signals);
+  tet::end_after(std::chrono::seconds(config.grace_seconds), signals);
   worker->reset();
   tet::log_event(spdlog::level::info, "stopped");
   return kDone;

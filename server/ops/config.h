@@ -72,6 +72,7 @@ struct Config {
   std::uint64_t max_client_health_watches = 64;
   std::uint64_t lame_duck_seconds = 5;
   std::uint64_t drain_seconds = 30;
+  std::uint64_t grace_seconds = 10;
   std::string log_level = "info";
   std::uint64_t log_buffer_bytes = std::uint64_t{4} << 20;
   std::string metrics_listen;
