@@ -23,7 +23,7 @@ def tetstreamd():
 
 
 def run(*command, **options):
-    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300,
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=900,
                           check=False, **options)
 
 

@@ -20,7 +20,7 @@ class FullJobDisk(FaultTest):
     def start_on(self, *places):
         environment = {"LD_PRELOAD": os.environ["TET_FAIL_WRITES_LIBRARY"],
                        "TET_FULL_WHILE": str(self.full), "TET_FULL_AT": ":".join(places)}
-        return self.start(*self.job_options, environment=environment)
+        return self.start(*self.job_options, "--job-lease-seconds", "3600", environment=environment)
 
     def submit(self, server, *options):
         """A submission, which goes on for as long as the server asks for patience."""
@@ -53,23 +53,21 @@ class FullJobDisk(FaultTest):
         self.assert_meshed(self.mesh(server))
         self.assertFalse(self.is_up(server))
         self.assertEqual(self.health(server), 3)
-        self.assertEqual([line["reason"] for line in server.told("jobs_down")], ["JOB_STORE_FULL"])
+        server.told("jobs_down", reason="JOB_STORE_FULL")
         submission = self.submit(server)
-        refused = wait_until(lambda: [line for line in server.log("call")
-                                      if line["method"] == "CreateJob"])
-        self.assertEqual((refused[0]["status"], refused[0]["reason"]),
-                         ("RESOURCE_EXHAUSTED", "JOB_STORE_FULL"))
+        refused = server.told("call", method="CreateJob", status="RESOURCE_EXHAUSTED",
+                              reason="JOB_STORE_FULL")
         self.assertNotIn(str(self.folder), refused[0]["message"])
         self.full.unlink()
         self.assert_submitted(submission)
         self.assertTrue(wait_until(lambda: self.is_up(server)))
-        self.assertEqual(len(server.told("jobs_up")), 1)
+        server.told("jobs_up")
         self.assert_fetched(server)
 
     def test_jobs_wait_for_room_for_their_results_and_lose_no_attempt(self):
         server = self.start_on("/results")
-        self.assertTrue(self.is_up(server))
-        self.assertEqual(self.health(server), 0)
+        wait_until(lambda: self.is_up(server))
+        wait_until(lambda: self.health(server) == 0)
         self.full.touch()
         submission = self.submit(server, "--max-attempts", "1")
         self.assert_submitted(submission)

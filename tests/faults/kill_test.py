@@ -7,6 +7,7 @@ Each run begins with an empty store and kills the server twice while a client up
 
 import argparse
 import random
+import signal
 import subprocess
 import sys
 import time
@@ -22,10 +23,12 @@ class Kills(FaultTest):
     seed = None
 
     def client(self, address, kind):
-        return subprocess.Popen(
+        client = subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.inputs / f"{kind}.vdb",
              "-o", self.folder / f"{kind}.vtu", "--server", address],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(client.kill)
+        return client
 
     def one_run(self, chance):
         """Kills at two moments of a client's work; returns how long that work took."""
@@ -43,9 +46,11 @@ class Kills(FaultTest):
                 acknowledged |= {line["grid"] for line in server.log("call")
                                  if line["method"] == "StreamMesh" and line["status"] == "OK"}
                 server.close()
+                client.send_signal(signal.SIGSTOP)  # however long a start takes, its patience does not end
                 # Right after the kill: acknowledged files are there, and no others' bytes.
                 self.assertLessEqual(acknowledged, self.stored())
                 server = RunningServer(self.store, listen=address)
+                client.send_signal(signal.SIGCONT)
                 _, errors = client.communicate(timeout=GENEROUS_END)
                 self.assertEqual(client.returncode, 0, errors)
                 mesh = self.folder / f"{kind}.vtu"

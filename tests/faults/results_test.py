@@ -10,7 +10,7 @@ import os
 import shutil
 import unittest
 
-from fault_case import FaultTest, wait_until
+from fault_case import GENEROUS_END, FaultTest, wait_until
 from postgres import Postgres
 from running_server import RunningWorker
 
@@ -54,7 +54,7 @@ class Results(FaultTest):
     def assert_made(self, job):
         mesh = self.folder / "mesh.vtu"
         with self.start_worker():
-            self.assertEqual(self.job("wait", job, "--patience", "5m").returncode, 0)
+            self.assertEqual(self.job("wait", job, "--patience", f"{GENEROUS_END:.0f}s").returncode, 0)
         fetched = self.job("fetch", job, "-o", mesh)
         self.assertEqual(fetched.returncode, 0, fetched.stderr)
         self.assertTrue(mesh.read_bytes() == self.expected["sphere"])

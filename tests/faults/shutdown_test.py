@@ -3,7 +3,9 @@
     TETSTREAM_BIN=build/dev/bin python3 tests/faults/shutdown_test.py [unittest options]
 """
 
+import contextlib
 import pathlib
+import signal
 import subprocess
 import threading
 import unittest
@@ -20,8 +22,8 @@ class Clients:
         self.results = []
         self._begun = []
         self._stop = threading.Event()
-        self._may_begin = threading.Event()
-        self._may_begin.set()
+        self._changed = threading.Condition()
+        self._may_begin = True
         self._threads = [threading.Thread(target=self._work, args=(mesh_once, i))
                          for i in range(count)]
         for thread in self._threads:
@@ -29,22 +31,23 @@ class Clients:
 
     def _work(self, mesh_once, number):
         while not self._stop.is_set():
-            self._may_begin.wait()
-            self._begun.append(number)
+            with self._changed:
+                self._changed.wait_for(lambda: self._may_begin)
+                self._begun.append(number)
             self.results.append(mesh_once(number))
 
     def at_work(self):
         return len(self._begun) - len(self.results)
 
-    def begin_no_more(self):
-        self._may_begin.clear()
-
-    def begin_again(self):
-        self._may_begin.set()
+    def let_begin(self, whether):
+        """Once this has said no, whoever was let in before counts as at work."""
+        with self._changed:
+            self._may_begin = whether
+            self._changed.notify_all()
 
     def stop(self):
         self._stop.set()
-        self._may_begin.set()
+        self.let_begin(True)
         for thread in self._threads:
             thread.join()
 
@@ -60,15 +63,38 @@ def connections_to(address):
 class Shutdown(FaultTest):
     volumes = {"sphere": 0.05, "torus": 0.02}
 
+    def setUp(self):
+        super().setUp()
+        self.lock = threading.Lock()
+        self.running = set()
+
     def run_client(self, addresses, number, kind="sphere"):
         """(exit code, message, whether the mesh is the right one)."""
         out = self.folder / f"{number}.vtu"
-        result = subprocess.run(
+        client = subprocess.Popen(
             [binaries() / "tetstream", "mesh", self.inputs / f"{kind}.vdb", "-o", out,
              "--server", addresses],
-            capture_output=True, text=True, timeout=GENEROUS_END, check=False)
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        with self.lock:
+            self.running.add(client)
+        _, errors = client.communicate(timeout=GENEROUS_END)
+        with self.lock:
+            self.running.discard(client)
         right = out.exists() and out.read_bytes() == self.expected[kind]
-        return result.returncode, result.stderr, right
+        return client.returncode, errors, right
+
+    @contextlib.contextmanager
+    def clients_stand_still(self):
+        """However long a server takes to start, no client's patience ends meanwhile."""
+        with self.lock:
+            stopped = list(self.running)
+            for client in stopped:
+                client.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            for client in stopped:
+                client.send_signal(signal.SIGCONT)
 
     def assert_all_right(self, results):
         self.assertGreater(len(results), 8)
@@ -98,12 +124,13 @@ class Shutdown(FaultTest):
         clients = Clients(3, lambda i: self.run_client(server.address, i))
         try:
             wait_until(lambda: len(clients.results) > 3)
-            clients.begin_no_more()
+            clients.let_begin(False)
             # Who has not reached the server yet has no work under way.
             wait_until(lambda: connections_to(server.address) >= clients.at_work())
             self.assertEqual(server.terminate(), 0)
-            again = self.start(listen=server.address)
-            clients.begin_again()
+            with self.clients_stand_still():
+                again = self.start(listen=server.address)
+            clients.let_begin(True)
             wait_until(lambda seen=len(clients.results): len(clients.results) > seen + 5)
         finally:
             clients.stop()

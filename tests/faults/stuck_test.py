@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 
 from fault_case import GENEROUS_END, FaultTest, binaries, unused_port, wait_until
@@ -18,6 +17,7 @@ from waiting import fetch, samples_of
 CALLS = 60
 SMALL_PIPE = 4096  # some fifteen lines
 DRAIN_SECONDS = 2
+GRACE_SECONDS = 300  # for the end itself, which something that hangs would outlast
 
 
 class StuckTest(FaultTest):
@@ -28,7 +28,8 @@ class StuckTest(FaultTest):
         process = subprocess.Popen(
             [binaries() / "tetstreamd", "--store", self.store, "--listen", "127.0.0.1:0",
              "--port-file", port_file, "--metrics-listen", metrics, "--threads", "1",
-             "--lame-duck-seconds", "0", "--drain-seconds", str(DRAIN_SECONDS), *options],
+             "--lame-duck-seconds", "0", "--drain-seconds", str(DRAIN_SECONDS),
+             "--grace-seconds", str(GRACE_SECONDS), *options],
             stdout=subprocess.DEVNULL, stderr=stderr)
         self.addCleanup(process.wait)
         self.addCleanup(process.kill)
@@ -40,12 +41,9 @@ class StuckTest(FaultTest):
                               capture_output=True, text=True, timeout=GENEROUS_END, check=False)
 
     def ends_in_time(self, process):
-        """Its exit code after SIGTERM, within its drain and the grace that it gives itself."""
-        began = time.monotonic()
+        """Its exit code after SIGTERM: 3 if its drain and the grace that it gives itself are not enough."""
         process.send_signal(signal.SIGTERM)
-        code = process.wait(GENEROUS_END)
-        self.assertLess(time.monotonic() - began, DRAIN_SECONDS + 30)
-        return code
+        return process.wait(GENEROUS_END)
 
 
 class Stuck(StuckTest):
@@ -105,7 +103,14 @@ class Stuck(StuckTest):
             [binaries() / "tetstream", "job", "watch", "--server", address],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for _ in range(2)]
         self.addCleanup(lambda: [(watch.kill(), watch.wait()) for watch in watches])
-        wait_until(lambda: samples_of(metrics)["tetstream_calls_running"] >= 2)
+
+        def both_watch():
+            """Each has been told where to begin, and no other call runs."""
+            samples = samples_of(metrics)
+            return (samples.get('tetstream_calls_total{code="OK",method="ListJobs"}', 0) >= 2 and
+                    samples["tetstream_calls_running"] >= 2)
+
+        wait_until(both_watch)
         said = self.call(address, "job", "watch")
         self.assertNotEqual(said.returncode, 0)
         self.assertIn("watches of jobs", said.stderr)
@@ -153,17 +158,17 @@ class FrozenDisk(StuckTest):
 
     def test_health_tells_within_seconds_and_metrics_are_answered(self):
         process, address, metrics = self.launch(self.log)
-        self.assertTrue(self.is_ready(address))
+        wait_until(lambda: self.is_ready(address))
         self.freeze()
         wait_until(lambda: fetch(metrics, "/readyz")[0] == 503)
         wait_until(lambda: not self.is_ready(address))
         for _ in range(5):
             self.assertEqual(fetch(metrics, "/healthz")[0], 200)
-            self.assertEqual(samples_of(metrics)["tetstream_store_up"], 0)
+            self.assertEqual(samples_of(metrics, new=False)["tetstream_store_up"], 0)
         self.thaw()
         wait_until(lambda: fetch(metrics, "/readyz")[0] == 200)
         wait_until(lambda: self.is_ready(address))
-        self.assertEqual(samples_of(metrics)["tetstream_store_up"], 1)
+        wait_until(lambda: samples_of(metrics)["tetstream_store_up"] == 1)
         self.assertEqual(self.ends_in_time(process), 0)
 
 

@@ -43,9 +43,10 @@ class UnfitWorkers(FaultTest):
     def show(self, job):
         return json.loads(self.job("show", job, "--json").stdout)
 
-    def start_worker(self, store=None, *options, **more):
+    def start_worker(self, store=None, *options, lease_seconds=3600, **more):
+        """Its leases do not run out, as that would use up an attempt."""
         worker = RunningWorker(store or self.store, self.postgres.address, "--job-workers", "1",
-                               *options, **more)
+                               "--job-lease-seconds", lease_seconds, *options, **more)
         self.addCleanup(worker.close)
         return worker
 
@@ -187,7 +188,7 @@ class UnfitWorkers(FaultTest):
         self.postgres.rows(
             "INSERT INTO workers SELECT 'old', '4', '', "
             "((extract(epoch FROM clock_timestamp()) + 3600) * 1000000)::bigint")
-        worker = self.start_worker(None, "--job-lease-seconds", "3")  # looks for them each second
+        worker = self.start_worker(lease_seconds=3)  # looks for them each second
         other = self.submit(attempts="100")  # the worker does it, and so has looked at what there was before it
         waited = self.job("wait", other)
         self.assertEqual(waited.returncode, 0, waited.stdout + waited.stderr)

@@ -1,5 +1,6 @@
 """A real server with an HTTP port, and a stock client of the wire to it."""
 
+import contextlib
 import hashlib
 import http.client
 import json
@@ -10,7 +11,7 @@ import subprocess
 import tempfile
 import unittest
 
-from running_server import GENEROUS_END, RunningServer, binaries
+from running_server import GENEROUS_END, RunningServer, binaries, wait_until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GRPC_WEB = {"Content-Type": "application/grpc-web+proto"}
@@ -95,7 +96,13 @@ class HttpTest(unittest.TestCase):
         return frames(body)
 
     def put(self, data, headers=None):
-        status, _, body = self.ask("PUT", f"/v1/grids/{self.digest}", data, headers)
+        def answer():
+            """None where the server had answered and hung up before we had sent all of it."""
+            with contextlib.suppress(ConnectionError):
+                return self.ask("PUT", f"/v1/grids/{self.digest}", data, headers)
+            return None
+
+        status, _, body = wait_until(answer)
         return status, json.loads(body)
 
     def mesh_request(self):

@@ -84,8 +84,7 @@ class Metrics(ServerTest):
             for connection in idle:
                 connection.setblocking(False)  # those that the kernel does not take yet wait there
                 connection.connect_ex((host, int(port)))
-            health = self.server.tetstream("health")
-            self.assertEqual(health.returncode, 0, health.stderr)
+            wait_until(lambda: self.server.tetstream("health").returncode == 0)
         finally:
             for connection in idle:
                 connection.close()
@@ -233,7 +232,7 @@ class Draining(ServerTest):
     def test_goes_on_for_a_while_when_it_has_said_so(self):
         server = self.enterContext(
             RunningServer(self.folder / "lame", "--lame-duck-seconds", "3600"))
-        self.assertEqual(server.tetstream("health").returncode, 0)
+        wait_until(lambda: server.tetstream("health").returncode == 0)
         server.process.send_signal(signal.SIGTERM)
         wait_until(lambda: server.log("lame_duck"))
         for stop in (signal.SIGSTOP, signal.SIGCONT):  # as a debugger does: that is no second signal
@@ -246,7 +245,7 @@ class Draining(ServerTest):
         self.assertEqual(server.terminate(), 3)  # told once more, it ends at once
 
     def test_says_so_before_it_goes_and_goes_on_answering(self):
-        self.assertEqual(fetch(self.server.metrics, "/readyz"), (200, "ok\n"))
+        wait_until(lambda: fetch(self.server.metrics, "/readyz") == (200, "ok\n"))
         link = CuttingLink(self.server.address, holds_after=1 << 20)  # so that it cannot end before
         self.addCleanup(link.close)
         with subprocess.Popen(
@@ -254,7 +253,7 @@ class Draining(ServerTest):
                  "--spacing", "0.015", "--levels", "0", "--server", link.address],
                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as stream:
             self.assertTrue(link.held.wait(GENEROUS_END))
-            self.assertEqual(self.server.samples()["tetstream_meshes_running"], 1)
+            wait_until(lambda: self.server.samples()["tetstream_meshes_running"] == 1)
             self.server.process.send_signal(signal.SIGTERM)
             wait_until(lambda: self.server.log("draining"))
             self.assertEqual(fetch(self.server.metrics, "/readyz"), (503, "not ready\n"))

@@ -9,6 +9,8 @@ import subprocess
 import tempfile
 import time
 
+from running_server import GENEROUS_END
+
 PROGRAMS = pathlib.Path("/usr/lib/postgresql/15/bin")
 END = "end of the rows"
 HOME = pathlib.Path(__file__).parent / "jobs" / "store" / "postgres_home.h"
@@ -59,7 +61,7 @@ class Postgres:
 
     def start(self):
         """On what the disk has. After a kill it waits for what it ran to be gone."""
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + GENEROUS_END
         while not self._answers():
             if self.server is None or self.server.poll() is not None:
                 self.server = subprocess.Popen(

@@ -22,8 +22,10 @@ def binaries():
     return pathlib.Path(os.environ["TETSTREAM_BIN"])
 
 
-# Nobody waits for a balancer of load, and no call is cut off because the machine is slow.
-UNHURRIED = {"TETSTREAM_LAME_DUCK_SECONDS": "0", "TETSTREAM_DRAIN_SECONDS": "150"}
+# Nobody waits for a balancer of load, and nothing is cut off or given up because the machine is slow.
+UNHURRIED = {"TETSTREAM_LAME_DUCK_SECONDS": "0", "TETSTREAM_DRAIN_SECONDS": "600",
+             "TETSTREAM_GRACE_SECONDS": "900", "TETSTREAM_STALL_SECONDS": "3600",
+             "TETSTREAM_KEEPALIVE_SECONDS": "3600"}
 
 
 class RunningProgram:

@@ -45,18 +45,33 @@ def processor_seconds(process):
 
 
 def fetch(address, path):
-    """(status, body) of http://ADDRESS/PATH."""
-    try:
-        with urllib.request.urlopen(f"http://{address}{path}", timeout=GENEROUS_END) as response:
-            return response.status, response.read().decode()
-    except urllib.error.HTTPError as error:
-        return error.code, error.read().decode()
+    """(status, body) of http://ADDRESS/PATH, which is asked again where nobody heard the question: the
+    server waits for one no longer than it has to."""
+    def ask():
+        try:
+            with urllib.request.urlopen(f"http://{address}{path}", timeout=GENEROUS_END) as response:
+                return response.status, response.read().decode()
+        except urllib.error.HTTPError as error:
+            return error.code, error.read().decode()
+        except urllib.error.URLError as error:
+            if not isinstance(error.reason, (ConnectionResetError, BrokenPipeError)):
+                raise
+        except ConnectionResetError:
+            pass
+        return None
+
+    return wait_until(ask)
 
 
-def samples_of(address):
-    """{name{labels}: value} of http://ADDRESS/metrics."""
-    text = fetch(address, "/metrics")[1]
-    return {m[1]: float(m[2]) for m in re.finditer(r"^([^#\s]\S*) (\S+)$", text, re.MULTILINE)}
+def samples_of(address, new=True):
+    """{name{labels}: value} of http://ADDRESS/metrics. Unless they need not be `new`, they are asked for
+    until those of disks and databases are: where these take long, what was read before is told."""
+    def ask():
+        text = fetch(address, "/metrics")[1]
+        samples = {m[1]: float(m[2]) for m in re.finditer(r"^([^#\s]\S*) (\S+)$", text, re.MULTILINE)}
+        return None if new and samples.get("tetstream_readings_old") else samples
+
+    return wait_until(ask)
 
 
 _reservations = []
