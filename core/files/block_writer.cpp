@@ -27,7 +27,7 @@ void BlockWriter::bytes(std::span<const std::byte> column) {
 }
 
 void BlockWriter::write_block(std::span<const std::byte> block, std::uint64_t progress_bytes) {
-  if (!status_.ok() || is_cancelled()) return;
+  if (!goes_on()) return;
   status_ = file_.write_at(position_, block);
   position_ += block.size();
   tell_progress(progress_bytes);

@@ -25,6 +25,13 @@ namespace tet {
 struct WriteControl {
   const Cancellation* cancellation = nullptr;
   std::function<void(double fraction)> progress;  ///< called on the writing thread, 0 .. 1
+
+  /// The cancellation, or one that nobody requests: for what is found out before the first
+  /// block, which is written only if it was not requested until then.
+  const Cancellation& stop() const noexcept {
+    static const Cancellation never;
+    return cancellation != nullptr ? *cancellation : never;
+  }
 };
 
 /// Writes the parts of a file one after the other. The first error sticks: later calls do
@@ -70,6 +77,9 @@ class BlockWriter {
   std::uint64_t position() const noexcept { return position_; }
 
   const absl::Status& status() const noexcept { return status_; }
+
+  /// False, with the status, where a write failed or is cancelled.
+  bool goes_on() { return status_.ok() && !is_cancelled(); }
 
  private:
   /// Large enough for the disk's full speed, small enough for the second-level cache.

@@ -2,8 +2,8 @@
 
 namespace tet {
 
-BoundaryMesh::BoundaryMesh(const TetMesh& mesh)
-    : mesh_(mesh), faces_(mesh), vertices_(mesh.header.vertex_count) {
+BoundaryMesh::BoundaryMesh(const TetMesh& mesh, const Cancellation& cancellation)
+    : mesh_(mesh), faces_(mesh, cancellation), vertices_(mesh.header.vertex_count) {
   for (std::uint64_t i = 0; i < faces_.count(); ++i) {
     for (const std::uint64_t vertex : faces_.triangle(i)) vertices_.set(vertex);
   }

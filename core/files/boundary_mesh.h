@@ -12,7 +12,8 @@ namespace tet {
 /// All faces of FaceGroups, and their vertices numbered among themselves, in the mesh's order.
 class BoundaryMesh {
  public:
-  explicit BoundaryMesh(const TetMesh& mesh);
+  /// Once `cancellation` is requested it ends soon, and has no faces.
+  explicit BoundaryMesh(const TetMesh& mesh, const Cancellation& cancellation = {});
 
   const TetMesh& mesh() const noexcept { return mesh_; }
   const FaceGroups& faces() const noexcept { return faces_; }

@@ -26,8 +26,9 @@ LabelledFaces faces_of_columns(const TetMesh& mesh) {
   return all;
 }
 
-LabelledFaces faces_found_in(const TetMesh& mesh) {
-  FoundFaces found = find_faces(mesh);
+LabelledFaces faces_found_in(const TetMesh& mesh, const Cancellation& cancellation) {
+  FoundFaces found = find_faces(mesh, cancellation);
+  if (cancellation.requested()) return {};
   LabelledFaces all{std::move(found.labels), {}, {}};
   all.faces.reserve(found.faces.size());
   all.label.reserve(found.faces.size());
@@ -40,9 +41,9 @@ LabelledFaces faces_found_in(const TetMesh& mesh) {
 
 }  // namespace
 
-FaceGroups::FaceGroups(const TetMesh& mesh) : mesh_(mesh) {
+FaceGroups::FaceGroups(const TetMesh& mesh, const Cancellation& cancellation) : mesh_(mesh) {
   const LabelledFaces all =
-      mesh.header.has_faces() ? faces_of_columns(mesh) : faces_found_in(mesh);
+      mesh.header.has_faces() ? faces_of_columns(mesh) : faces_found_in(mesh, cancellation);
   std::vector<std::uint64_t> next(all.labels.size() + 1);
   for (const std::uint16_t label : all.label) ++next[label + 1U];
   for (std::size_t i = 0; i < all.labels.size(); ++i) {

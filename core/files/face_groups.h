@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/base/rank_mask.h"
 #include "core/files/file_mesh.h"
 #include "core/mesh/find_faces.h"
@@ -24,8 +25,9 @@ struct FaceGroup {
 /// A mesh's own faces, or where it has none those that are found. Eight bytes a face.
 class FaceGroups {
  public:
-  /// The mesh outlives the groups.
-  explicit FaceGroups(const TetMesh& mesh);
+  /// The mesh outlives the groups. Once `cancellation` is requested it ends soon, and there are
+  /// none.
+  explicit FaceGroups(const TetMesh& mesh, const Cancellation& cancellation = {});
 
   /// Those that have a face, in the order of their tags.
   const std::vector<FaceGroup>& groups() const noexcept { return groups_; }

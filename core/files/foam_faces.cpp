@@ -38,8 +38,10 @@ class InnerFaceNumbers {
 
 }  // namespace
 
-FoamFaces::FoamFaces(const TetMesh& mesh) : behind_(mesh) {
-  const FaceGroups groups(mesh);
+FoamFaces::FoamFaces(const TetMesh& mesh, const Cancellation& cancellation)
+    : behind_(mesh, cancellation) {
+  const FaceGroups groups(mesh, cancellation);
+  if (cancellation.requested()) return;
   sort_boundary(groups);
   find_zones(groups);
 }

@@ -34,7 +34,8 @@ struct FoamZone {
 
 class FoamFaces {
  public:
-  explicit FoamFaces(const TetMesh& mesh);
+  /// Once `cancellation` is requested it ends soon, and tells of no faces.
+  explicit FoamFaces(const TetMesh& mesh, const Cancellation& cancellation = {});
 
   std::uint64_t inner_count() const noexcept { return behind_.inner_faces(); }
   std::uint64_t count() const noexcept { return inner_count() + boundary_.size(); }

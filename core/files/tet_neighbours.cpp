@@ -18,14 +18,23 @@ struct SeenFace {
 /// As many faces are looked at at once: at least so many, and at most a sixteenth of all.
 constexpr std::uint64_t kFacesAtOnce = std::uint64_t{1} << 22;
 
+/// Tets between two looks at the cancellation: some milliseconds.
+constexpr std::uint64_t kTetsPerLook = std::uint64_t{1} << 17;
+
+/// False where the cancellation was requested before all faces had been visited.
 template <class Visit>
-void visit_faces(const TetMesh& mesh, const Visit& visit) {
-  for (std::uint64_t tet = 0; tet < mesh.header.tet_count; ++tet) {
-    const auto corners = mesh.tet(tet);
-    for (std::size_t k = 0; k < 4; ++k) {
-      visit(sort_face(face_of(corners, k)).vertices, 4 * tet + k);
+bool visit_faces(const TetMesh& mesh, const Cancellation& cancellation, const Visit& visit) {
+  for (std::uint64_t begin = 0; begin < mesh.header.tet_count; begin += kTetsPerLook) {
+    if (cancellation.requested()) return false;
+    const std::uint64_t end = std::min(begin + kTetsPerLook, mesh.header.tet_count);
+    for (std::uint64_t tet = begin; tet < end; ++tet) {
+      const auto corners = mesh.tet(tet);
+      for (std::size_t k = 0; k < 4; ++k) {
+        visit(sort_face(face_of(corners, k)).vertices, 4 * tet + k);
+      }
     }
   }
+  return true;
 }
 
 /// Pairs the faces with one lowest vertex: those with the same others are one.
@@ -43,10 +52,18 @@ void pair_faces(std::span<SeenFace> faces, std::span<std::uint32_t> behind) {
 
 }  // namespace
 
-TetNeighbours::TetNeighbours(const TetMesh& mesh) : behind_(4 * mesh.header.tet_count, kNone) {
+TetNeighbours::TetNeighbours(const TetMesh& mesh, const Cancellation& cancellation)
+    : behind_(4 * mesh.header.tet_count, kNone) {
+  if (!find(mesh, cancellation)) behind_.clear();
+  const auto inner = std::ranges::count_if(behind_, [](auto tet) { return tet != kNone; });
+  inner_faces_ = static_cast<std::uint64_t>(inner) / 2;
+}
+
+bool TetNeighbours::find(const TetMesh& mesh, const Cancellation& cancellation) {
   const std::uint64_t vertices = mesh.header.vertex_count;
   std::vector<std::uint64_t> first(vertices + 1);  // faces before those of each lowest vertex
-  visit_faces(mesh, [&](const Triangle& face, std::uint64_t) { ++first[face[0] + 1]; });
+  const auto count_face = [&](const Triangle& face, std::uint64_t) { ++first[face[0] + 1]; };
+  if (!visit_faces(mesh, cancellation, count_face)) return false;
   for (std::uint64_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
   const std::uint64_t at_once = std::max(kFacesAtOnce, behind_.size() / 16);
   std::vector<SeenFace> faces;
@@ -58,19 +75,19 @@ TetNeighbours::TetNeighbours(const TetMesh& mesh) : behind_(4 * mesh.header.tet_
     faces.resize(first[end] - first[begin]);
     next.assign(first.begin() + static_cast<std::ptrdiff_t>(begin),
                 first.begin() + static_cast<std::ptrdiff_t>(end));
-    visit_faces(mesh, [&](const Triangle& face, std::uint64_t index) {
+    const auto keep_face = [&](const Triangle& face, std::uint64_t index) {
       if (face[0] < begin || face[0] >= end) return;
       faces[next[face[0] - begin]++ - first[begin]] = {
           static_cast<std::uint32_t>(face[1]), static_cast<std::uint32_t>(face[2]), index};
-    });
+    };
+    if (!visit_faces(mesh, cancellation, keep_face)) return false;
     for_each_index(end - begin, [&](std::size_t i) {
       const std::uint64_t from = first[begin + i] - first[begin];
       const std::uint64_t count = first[begin + i + 1] - first[begin + i];
       pair_faces(std::span(faces).subspan(from, count), behind_);
     });
   }
-  const auto inner = std::ranges::count_if(behind_, [](auto tet) { return tet != kNone; });
-  inner_faces_ = static_cast<std::uint64_t>(inner) / 2;
+  return true;
 }
 
 }  // namespace tet

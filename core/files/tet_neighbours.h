@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/cancel.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {
@@ -15,7 +16,8 @@ class TetNeighbours {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  explicit TetNeighbours(const TetMesh& mesh);
+  /// Once `cancellation` is requested it ends soon, and tells of no faces.
+  explicit TetNeighbours(const TetMesh& mesh, const Cancellation& cancellation = {});
 
   /// Behind the face with that TetFace::index; kNone at the boundary.
   std::uint32_t operator[](std::uint64_t face) const noexcept { return behind_[face]; }
@@ -24,6 +26,9 @@ class TetNeighbours {
   std::uint64_t inner_faces() const noexcept { return inner_faces_; }
 
  private:
+  /// False if it was cancelled before all were found.
+  bool find(const TetMesh& mesh, const Cancellation& cancellation);
+
   std::vector<std::uint32_t> behind_;
   std::uint64_t inner_faces_ = 0;
 };

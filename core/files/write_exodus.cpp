@@ -42,11 +42,11 @@ class ExodusWriter {
         mesh_(mesh.mesh),
         shape_(mesh.shape()),
         is_wide_(file_coordinate_type(mesh_.header) == CoordinateType::kFloat64),
-        faces_(mesh_),
+        faces_(mesh_, control.stop()),
         in_set_(shape_.nodes),
         parts_{.blocks = exodus_blocks(mesh_),
                .faces = faces_,
-               .nodes_of_faces = count_nodes(),
+               .nodes_of_faces = count_nodes(control.stop()),
                .block_names = {},
                .face_names = names_in_file(names_of(faces_.groups()), kExodusNames),
                .variable_names = exodus_variables(mesh_.header)},
@@ -54,6 +54,7 @@ class ExodusWriter {
         writer_(file, layout_.header.file_bytes(), control) {}
 
   absl::Status write() {
+    if (!writer_.goes_on()) return writer_.status();  // the faces may not have been found
     writer_.text(layout_.header.bytes());
     write_blocks();
     write_coordinates();
@@ -63,11 +64,11 @@ class ExodusWriter {
   }
 
  private:
-  std::vector<std::uint64_t> count_nodes() {
-    std::vector<std::uint64_t> counts;
-    for (const FaceGroup& group : faces_.groups()) {
-      faces_.collect_nodes(nodes_, group, in_set_);
-      counts.push_back(in_set_.count());
+  std::vector<std::uint64_t> count_nodes(const Cancellation& cancellation) {
+    std::vector<std::uint64_t> counts(faces_.groups().size());
+    for (std::size_t i = 0; i < counts.size() && !cancellation.requested(); ++i) {
+      faces_.collect_nodes(nodes_, faces_.groups()[i], in_set_);
+      counts[i] = in_set_.count();
     }
     return counts;
   }
@@ -160,7 +161,7 @@ class ExodusWriter {
     names(layout_.side_names, parts_.face_names);
     names(layout_.node_names, parts_.face_names);
     const GroupedOrder order(mesh_);
-    for (std::size_t i = 0; i < groups.size(); ++i) {
+    for (std::size_t i = 0; i < groups.size() && writer_.status().ok(); ++i) {
       const std::uint64_t first = groups[i].first, count = groups[i].faces;
       ints(layout_.side_elements[i], count,
            [&](std::uint64_t face) { return order.place_of(faces_[first + face].tet()) + 1; });

@@ -31,7 +31,7 @@ class InpWriter {
         shape_(mesh.shape()),
         tets_(tet_groups(mesh_)),
         tet_names_(names_in_file(names_of(tets_), kInpNames)),
-        faces_(mesh_),
+        faces_(mesh_, control.stop()),
         face_names_(names_in_file(names_of(faces_.groups()), kInpNames)),
         // Each face is in a surface, and half a vertex of it in a set of nodes.
         writer_(file,
@@ -45,7 +45,7 @@ class InpWriter {
     for (std::size_t i = 0; i < tets_.size(); ++i) write_elements(i);
     write_all_elements();
     RankMask nodes(shape_.nodes);
-    for (std::size_t i = 0; i < faces_.groups().size(); ++i) {
+    for (std::size_t i = 0; i < faces_.groups().size() && writer_.status().ok(); ++i) {
       write_surface(i);
       faces_.collect_nodes(nodes_, faces_.groups()[i], nodes);
       write_node_set(i, nodes);

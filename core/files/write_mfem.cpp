@@ -90,7 +90,7 @@ void write_mfem_vertices(BlockWriter& writer, const TetMesh& mesh) {
 
 absl::Status write_mfem(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
   if (auto s = check_numbers({mesh}, kMostInt32, "MFEM .mesh"); !s.ok()) return s;
-  const FaceGroups faces(mesh);
+  const FaceGroups faces(mesh, control.stop());
   const MeshHeader& header = mesh.header;
   BlockWriter writer(file,
                      header.tet_count * kMfemElementBytes + faces.count() * kMfemFaceBytes +

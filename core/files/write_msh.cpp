@@ -228,7 +228,7 @@ absl::StatusOr<MshColumns> begin_msh(BlockWriter& writer,
 }  // namespace
 
 absl::Status write_msh(AtomicFile& file, const FileMesh& mesh, const WriteControl& control) {
-  const FaceGroups faces(mesh.mesh);
+  const FaceGroups faces(mesh.mesh, control.stop());
   const MshGroups groups{tet_groups(mesh.mesh), faces.groups()};
   const FileShape shape = mesh.shape();
   BlockWriter writer(file, file_bytes(mesh, faces.count()), control);

@@ -44,7 +44,7 @@ void write_obj_group(BlockWriter& writer,
 }  // namespace
 
 absl::Status write_obj(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  const BoundaryMesh boundary(mesh);
+  const BoundaryMesh boundary(mesh, control.stop());
   const std::vector<FaceGroup>& groups = boundary.faces().groups();
   const std::vector<std::string> names = names_in_file(names_of(groups), kObjNames);
   BlockWriter writer(

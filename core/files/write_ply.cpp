@@ -79,7 +79,7 @@ void write_ply_vertices(BlockWriter& writer, const BoundaryMesh& boundary) {
 }  // namespace
 
 absl::Status write_ply(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
-  const BoundaryMesh boundary(mesh);
+  const BoundaryMesh boundary(mesh, control.stop());
   const CoordinateType type = file_coordinate_type(mesh.header);
   if (auto s = check_count(boundary.vertex_count(), kMostInt32, "vertices", ".ply"); !s.ok()) {
     return s;

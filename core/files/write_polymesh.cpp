@@ -31,7 +31,11 @@ std::string foam_header(std::string_view of_class,
 class PolyMeshWriter {
  public:
   PolyMeshWriter(const AtomicFolder& folder, const TetMesh& mesh, const WriteControl& control)
-      : folder_(folder), mesh_(mesh), control_(control), tets_(tet_groups(mesh)), faces_(mesh) {
+      : folder_(folder),
+        mesh_(mesh),
+        control_(control),
+        tets_(tet_groups(mesh)),
+        faces_(mesh, control.stop()) {
     std::erase_if(tets_, [](const TetGroup& group) { return group.tets == 0; });
     std::uint64_t zoned = 0;
     for (const FoamZone& zone : faces_.zones()) zoned += zone.faces.size();
@@ -214,6 +218,13 @@ absl::Status write_polymesh(const AtomicFolder& folder,
                             const TetMesh& mesh,
                             const WriteControl& control) {
   if (auto status = check_numbers({mesh}, kMostInt32, "polyMesh"); !status.ok()) {
+    return status;
+  }
+  // A face is of two tets at most: a mesh that is beyond the limit for certain is refused
+  // before its faces are looked for.
+  const std::uint64_t fewest = 6 * mesh.header.tet_count;
+  if (auto status = check_count(fewest, kMostInt32, "corners of faces", "polyMesh");
+      !status.ok()) {
     return status;
   }
   return PolyMeshWriter(folder, mesh, control).write();

@@ -46,7 +46,7 @@ StlRow stl_row(const TetMesh& mesh, const Triangle& triangle) {
 
 absl::Status write_stl(AtomicFile& file, const TetMesh& mesh, const WriteControl& control) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  const FaceGroups faces(mesh);
+  const FaceGroups faces(mesh, control.stop());
   if (auto s = check_count(faces.count(), kMost, "triangles", ".stl"); !s.ok()) return s;
   BlockWriter writer(file, 84 + faces.count() * sizeof(StlRow), control);
   // Readers take a file that begins with "solid" for text.

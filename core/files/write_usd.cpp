@@ -26,7 +26,7 @@ class UsdWriter {
       : mesh_(mesh),
         header_(mesh.header),
         tets_(tet_groups(mesh)),
-        faces_(mesh),
+        faces_(mesh, control.stop()),
         writer_(
             file,
             header_.vertex_count * (kUsdPointBytes + kUsdValueBytes * header_.field_values()) +

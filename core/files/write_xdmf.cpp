@@ -41,10 +41,11 @@ class XdmfWriter {
         shape_(mesh.shape()),
         types_(choose_column_types(header_, shape_)),
         tets_(tet_groups(mesh_)),
-        faces_(mesh_),
+        faces_(mesh_, control.stop()),
         writer_(columns, column_bytes(), control) {}
 
   absl::Status write_columns() {
+    if (!writer_.goes_on()) return writer_.status();  // the faces may not have been found
     Hdf5Outline outline("Mesh");
     const XdmfLayout layout = lay_out_columns(outline);
     const auto places =

@@ -12,6 +12,7 @@
 
 #include <gmock/gmock.h>
 
+#include "core/files/face_groups.h"
 #include "core/files/file_names.h"
 #include "core/files/mesh_columns.h"
 #include "core/files/tet_neighbours.h"
@@ -127,6 +128,42 @@ TEST_F(MeshFileTest, StopsWhenCancelledAndLeavesNothing) {
     EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << ending;
     EXPECT_EQ(files(), 0U) << ending;
   }
+}
+
+TEST_F(MeshFileTest, StopsAtAnyLookAndLeavesNothing) {
+  for (const std::string& ending : endings()) {
+    absl::Status status = absl::CancelledError("");
+    for (int stop_at = 1; !status.ok(); stop_at += 1 + stop_at / 4) {
+      int looks = 0;
+      const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                      [&] { return ++looks == stop_at; });
+      const WriteControl control{.cancellation = &cancellation, .progress = {}};
+      status = write_mesh_file(path("out") + ending, kuhn_mesh(6), control);
+      if (status.ok()) continue;
+      EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << ending << ": " << status;
+      EXPECT_EQ(files(), 0U) << ending;
+    }
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
+  }
+}
+
+TEST(TetNeighboursOfALargeMesh, AreNotLookedForOnceTheyAreCancelled) {
+  int looks = 0;
+  const Cancellation cancellation(Cancellation::Clock::time_point::max(),
+                                  [&] { return ++looks == 2; });
+  const TetNeighbours behind(kuhn_mesh(40), cancellation);
+  EXPECT_EQ(looks, 2);
+  EXPECT_EQ(behind.size(), 0U);
+  EXPECT_EQ(behind.inner_faces(), 0U);
+}
+
+TEST(FacesOfAFile, AreNotLookedForOnceTheyAreCancelled) {
+  Cancellation cancellation;
+  cancellation.cancel();
+  const TetMesh mesh = kuhn_mesh(4);
+  EXPECT_EQ(FaceGroups(mesh).groups().size(), 1U);
+  EXPECT_TRUE(FaceGroups(mesh, cancellation).groups().empty());
 }
 
 TEST_F(MeshFileTest, TellsItsProgressUpToOne) {
