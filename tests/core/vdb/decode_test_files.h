@@ -24,7 +24,7 @@ inline DecoderProgram patient_program(const std::string& path = "",
   return {path, std::move(environment), {.start = kGenerousEnd, .last_moment = kGenerousEnd}};
 }
 
-/// Likewise, of all decoders; `processes` at once.
+/// Gives each decoder of a pool all the time there is, too; `processes` of them run at once.
 inline DecoderSettings patient_settings(const std::string& path = "", int processes = 0) {
   return {.program = patient_program(path),
           .processes = processes,
