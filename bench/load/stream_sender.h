@@ -16,11 +16,13 @@ namespace v1 = ::tetstream::v1;
 
 struct StreamSettings {
   std::string address;
-  ChannelOptions channel;                         ///< how that is spoken to
-  int connections = 8;                            ///< requests go to them in turn
-  v1::Encoding encoding = v1::ENCODING_PLAIN;     ///< that streams are asked for in
-  bool check_columns = false;                     ///< verify the checksum of every chunk
-  Nanoseconds patience{std::chrono::seconds(5)};  ///< until all connections are open
+  ChannelOptions channel;                      ///< how that is spoken to
+  int connections = 8;                         ///< requests go to them in turn
+  v1::Encoding encoding = v1::ENCODING_PLAIN;  ///< that streams are asked for in
+  bool check_columns = false;                  ///< verify the checksum of every chunk
+  /// Until all connections are open: for a server that is busy. One that is not there was
+  /// missed before, when the mix was looked at.
+  Nanoseconds patience{std::chrono::seconds(60)};
 };
 
 /// Sends StreamMesh calls and drops what comes. Calls are asynchronous: gRPC's own few threads

@@ -19,8 +19,6 @@ namespace tet {
 
 namespace {
 
-/// A server that is there takes its time only where the whole host does.
-constexpr std::chrono::seconds kPatience{10};
 constexpr std::size_t kTokenBytes = 16;
 constexpr std::size_t kTetsColumn = 1;  ///< of ChunkColumns::all
 // What was copied is read again from the nearest cache.
@@ -35,14 +33,6 @@ constexpr std::int64_t kAnswersARound = 3;
 /// More than any window of chunks.
 constexpr std::int64_t kMostBlockBytes = std::int64_t{1} << 30, kMostBlocks = 1 << 16;
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 34;
-
-/// How long a cancellation's deadline lets anyone wait.
-std::chrono::milliseconds patience(const Cancellation& cancellation) {
-  using Duration = Cancellation::Clock::duration;
-  const Duration left = cancellation.deadline() - Cancellation::Clock::now();
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-      std::clamp(left, Duration::zero(), Duration(kPatience)));
-}
 
 bool is_next_in_stream(std::span<const std::byte> message) {
   return std::ranges::equal(message, kNextIsInStream);
@@ -81,6 +71,14 @@ bool SharedChunks::connect(const std::string& grpc_path, const Cancellation& can
   refused_ = !await_packet(side_, std::as_writable_bytes(std::span(token_)),
                            patience(cancellation), none, cancellation.descriptor());
   return !refused_;
+}
+
+/// How long a cancellation's deadline lets anyone wait.
+std::chrono::milliseconds SharedChunks::patience(const Cancellation& cancellation) const {
+  using Duration = Cancellation::Clock::duration;
+  const Duration left = cancellation.deadline() - Cancellation::Clock::now();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::clamp(left, Duration::zero(), Duration(patience_)));
 }
 
 absl::Status SharedChunks::open(const v1::SharedMemory& told,

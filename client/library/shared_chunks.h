@@ -36,11 +36,14 @@ class SharedChunks {
   /// Whether an event has come in the stream meanwhile, or its end.
   using InStream = std::function<bool()>;
 
-  /// An answer waits for others no longer than this: a server must not take a client for
-  /// stalled that has copied all there is, or takes its time for each chunk.
+  /// An answer waits for others no longer than `answers_within`: a server must not take a
+  /// client for stalled that has copied all there is, or takes its time for each chunk. The
+  /// server is waited for no longer than `patience`: one that is there takes its time only
+  /// where the whole host does.
   explicit SharedChunks(
-      std::chrono::milliseconds answers_within = std::chrono::milliseconds(250)) noexcept
-      : answers_within_(answers_within) {}
+      std::chrono::milliseconds answers_within = std::chrono::milliseconds(250),
+      std::chrono::milliseconds patience = std::chrono::seconds(10)) noexcept
+      : answers_within_(answers_within), patience_(patience) {}
 
   /// Begins another stream at the server whose socket file this is, empty for one that has
   /// none. Returns what the request is to say, empty where there is no shared memory, and
@@ -93,12 +96,13 @@ class SharedChunks {
   using Clock = std::chrono::steady_clock;
 
   bool connect(const std::string& grpc_path, const Cancellation& cancellation);
+  std::chrono::milliseconds patience(const Cancellation& cancellation) const;
   void answer() noexcept;
   bool is_time_to_look() noexcept;
 
   bool refused_ = false;  ///< it could not be used once
   bool open_ = false, rests_ = false;
-  std::chrono::milliseconds answers_within_;
+  std::chrono::milliseconds answers_within_, patience_;
   Clock::time_point answered_{};
   Clock::time_point looked_{};                  ///< into the stream
   bool events_ = false, next_is_here_ = false;  ///< and not in the stream

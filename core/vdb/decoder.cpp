@@ -25,15 +25,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A machine that starts no program within this is not one to wait for.
-constexpr std::chrono::seconds kStartTime{10};
-
 /// How soon a cancellation is seen.
 constexpr std::chrono::milliseconds kPollInterval{20};
-
-/// A process that has closed its socket is gone in a moment, which a busy machine draws out:
-/// how it ended tells what was wrong with the file.
-constexpr std::chrono::seconds kLastMoment{5};
 
 absl::Status unavailable(const std::string& message) {
   return named_failure("DECODER_UNAVAILABLE", absl::UnavailableError(message));
@@ -93,9 +86,10 @@ int poll_timeout(Clock::time_point deadline) {
       std::clamp(left, std::chrono::milliseconds(0), kPollInterval).count());
 }
 
-/// Whether the process ends of itself within a moment: its socket closes a little earlier.
-bool ends_by_itself(const Descriptor& process, const std::function<bool()>& cancelled) {
-  const Clock::time_point last = Clock::now() + kLastMoment;
+/// Whether the process ends of itself before it has to: its socket closes a little earlier.
+bool ends_by_itself(const Descriptor& process,
+                    Clock::time_point last,
+                    const std::function<bool()>& cancelled) {
   pollfd end{process.number(), POLLIN, 0};
   while (::poll(&end, 1, poll_timeout(last)) <= 0) {
     if (Clock::now() >= last || (cancelled && cancelled())) return false;
@@ -113,7 +107,7 @@ absl::StatusOr<Decoder> Decoder::start(const DecoderProgram& program) {
   const absl::StatusOr<pid_t> pid =
       spawn(*path, program.environment, sockets->theirs.number(), kDecoderSocket);
   if (!pid.ok()) return pid.status();
-  return watch(*pid, std::move(sockets->ours));
+  return watch(*pid, std::move(sockets->ours), program.patience);
 }
 
 absl::StatusOr<Decoder> Decoder::copy(const std::function<bool()>& cancelled) {
@@ -124,10 +118,10 @@ absl::StatusOr<Decoder> Decoder::copy(const std::function<bool()>& cancelled) {
     return gone();
   }
   sockets->theirs.close();
-  const Event event = wait(Clock::now() + kStartTime, cancelled);
+  const Event event = wait(Clock::now() + patience_.start, cancelled);
   const std::optional<pid_t> pid =
       event == Event::kMessage ? receive_copied(socket_.number()) : std::nullopt;
-  if (pid) return watch(*pid, std::move(sockets->ours));
+  if (pid) return watch(*pid, std::move(sockets->ours), patience_);
   end_with_copies();
   if (event == Event::kCancelled) return absl::CancelledError("cancelled");
   return gone();
@@ -145,10 +139,12 @@ void Decoder::end_with_copies() {
 }
 
 /// Takes over a child of this thread.
-absl::StatusOr<Decoder> Decoder::watch(pid_t pid, Descriptor socket) {
+absl::StatusOr<Decoder> Decoder::watch(pid_t pid,
+                                       Descriptor socket,
+                                       const DecoderPatience& patience) {
   // The system call is made by its number, as glibc 2.36's header for it is for C only.
   Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
-  if (process.is_open()) return Decoder(pid, std::move(process), std::move(socket));
+  if (process.is_open()) return Decoder(pid, std::move(process), std::move(socket), patience);
   const std::string error = std::strerror(errno);
   ::kill(pid, SIGKILL);
   ::waitpid(pid, nullptr, 0);
@@ -171,7 +167,7 @@ Decoder::Event Decoder::wait(Clock::time_point deadline,
 }
 
 absl::Status Decoder::wait_until_ready(const std::function<bool()>& cancelled) {
-  const Event event = wait(Clock::now() + kStartTime, cancelled);
+  const Event event = wait(Clock::now() + patience_.start, cancelled);
   if (event == Event::kCancelled) return absl::CancelledError("cancelled");
   if (event == Event::kMessage && receive_ready(socket_.number())) return absl::OkStatus();
   return unavailable("the decoder program does not start");
@@ -205,7 +201,7 @@ absl::StatusOr<SealedBlock> Decoder::decode(const DecodeOrder& order,
 
 absl::Status Decoder::explain_death(const DecodeOrder& order,
                                     const std::function<bool()>& cancelled) {
-  const bool ended = ends_by_itself(process_, cancelled);
+  const bool ended = ends_by_itself(process_, Clock::now() + patience_.last_moment, cancelled);
   const siginfo_t how = end_process(process_);
   process_.close();
   if (!ended) {

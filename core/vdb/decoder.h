@@ -15,9 +15,20 @@
 
 namespace tet {
 
+/// How long a decoder may take by the clock for what is no matter of its file: much longer than
+/// it takes, as a machine may be busy with other things. Tests wait longer still.
+struct DecoderPatience {
+  /// A machine that starts no program within this is not one to wait for.
+  std::chrono::milliseconds start{10'000};
+  /// A process that has closed its socket is gone in a moment, which a busy machine draws out:
+  /// how it ended tells what was wrong with the file.
+  std::chrono::milliseconds last_moment{5'000};
+};
+
 struct DecoderProgram {
   std::string path;                      ///< empty finds it: see find_decoder
   std::vector<std::string> environment;  ///< "NAME=value"; a decoder inherits none
+  DecoderPatience patience;
 };
 
 /// When a decode has to end, whether it is done or not.
@@ -62,10 +73,15 @@ class Decoder {
  private:
   enum class Event { kMessage, kDeadline, kCancelled };
 
-  Decoder(pid_t pid, Descriptor process, Descriptor socket)
-      : pid_(pid), process_(std::move(process)), socket_(std::move(socket)) {}
+  Decoder(pid_t pid, Descriptor process, Descriptor socket, const DecoderPatience& patience)
+      : pid_(pid),
+        process_(std::move(process)),
+        socket_(std::move(socket)),
+        patience_(patience) {}
 
-  static absl::StatusOr<Decoder> watch(pid_t pid, Descriptor socket);
+  static absl::StatusOr<Decoder> watch(pid_t pid,
+                                       Descriptor socket,
+                                       const DecoderPatience& patience);
   Event wait(std::chrono::steady_clock::time_point deadline,
              const std::function<bool()>& cancelled) const;
   absl::Status explain_death(const DecodeOrder& order, const std::function<bool()>& cancelled);
@@ -74,6 +90,7 @@ class Decoder {
   pid_t pid_;
   Descriptor process_;  ///< a pidfd; closed once the process is reaped
   Descriptor socket_;
+  DecoderPatience patience_;
 };
 
 }  // namespace tet

@@ -26,23 +26,26 @@ absl::Status shutting_down() {
 }
 
 absl::StatusOr<SealedBlock> attempt(const CheckedFile& checked,
+                                    std::chrono::milliseconds limit,
                                     TakeDecoder take,
                                     const std::function<bool()>& cancelled) {
   absl::StatusOr<Decoder> decoder = take();
   if (!decoder.ok()) return decoder.status();
   if (auto ready = decoder->wait_until_ready(cancelled); !ready.ok()) return ready;
-  return decoder->decode(checked.order, checked.file.number(), {checked.limit, cancelled});
+  return decoder->decode(checked.order, checked.file.number(), {limit, cancelled});
 }
 
 absl::StatusOr<SealedBlock> decode_request(const FileRequest& request,
-                                           std::chrono::milliseconds max_time,
+                                           const DecoderSettings& settings,
                                            TakeDecoder take,
                                            const std::function<bool()>& cancelled) {
-  const absl::StatusOr<CheckedFile> checked = check_request(request, max_time, cancelled);
+  const std::chrono::milliseconds most = settings.max_time;
+  const absl::StatusOr<CheckedFile> checked = check_request(request, most, cancelled);
   if (!checked.ok()) return checked.status();
+  const auto limit = std::min(std::max(checked->limit, settings.least_time), most);
   absl::StatusOr<SealedBlock> block = absl::UnknownError("not decoded");
   for (int i = 0; i < kAttempts; ++i) {
-    block = attempt(*checked, take, cancelled);
+    block = attempt(*checked, limit, take, cancelled);
     if (!absl::IsUnavailable(block.status())) return block;
   }
   return block;
@@ -77,7 +80,7 @@ void DecoderPool::decode(const std::string& client,
 
 /// A decoder ends with the thread that started it, so the thread is as old as the pool.
 void DecoderPool::work() {
-  DecoderSupply supply({settings_.program, settings_.environment});
+  DecoderSupply supply(settings_.program);
   while (true) {
     // Before there is anything for it to do.
     supply.prepare([this] { return closing_.load(); });
@@ -116,7 +119,7 @@ absl::StatusOr<SealedBlock> DecoderPool::run(const Job& job, DecoderSupply& supp
   const auto take = [&] { return supply.take(cancelled); };
   absl::StatusOr<SealedBlock> block = absl::CancelledError("cancelled");
   if (!cancelled()) {
-    block = decode_request(job.request, settings_.max_time, take, cancelled);
+    block = decode_request(job.request, settings_, take, cancelled);
     if (failure_name(block.status()) == "DECODER_CRASHED") supply.start_anew();
   }
   return closing_ && !block.ok() ? shutting_down() : std::move(block);
@@ -125,14 +128,14 @@ absl::StatusOr<SealedBlock> DecoderPool::run(const Job& job, DecoderSupply& supp
 absl::StatusOr<SealedBlock> decode_once(const FileRequest& request,
                                         const DecoderSettings& settings,
                                         const std::function<bool()>& cancelled) {
-  const auto start = [&] { return Decoder::start({settings.program, settings.environment}); };
+  const auto start = [&] { return Decoder::start(settings.program); };
   // It gets ready while the file is walked over.
   std::optional<absl::StatusOr<Decoder>> first(start());
   const auto take = [&] {
     if (!first) return start();
     return *std::exchange(first, std::nullopt);
   };
-  return decode_request(request, settings.max_time, take, cancelled);
+  return decode_request(request, settings, take, cancelled);
 }
 
 }  // namespace tet

@@ -21,10 +21,12 @@
 namespace tet {
 
 struct DecoderSettings {
-  std::string program;  ///< empty finds it: see find_decoder
-  int processes = 0;    ///< at once; 0 takes one for every core
+  DecoderProgram program;
+  int processes = 0;  ///< at once; 0 takes one for every core
   std::chrono::milliseconds max_time{120'000};
-  std::vector<std::string> environment;  ///< of the processes; for tests
+  /// What any file has by the clock, within `max_time`, however little it may take of a
+  /// processor; for tests.
+  std::chrono::milliseconds least_time{0};
 };
 
 /// Keeps one decoder ready for each file that may be decoded at once, and replaces it after its

@@ -53,7 +53,7 @@ PlanTurns::Kinds plan_turns(const Config& config) {
 
 DecoderSettings decoder_settings(const Config& config) {
   DecoderSettings settings;
-  settings.program = config.decoder;
+  settings.program.path = config.decoder;
   settings.processes = static_cast<int>(config.decoders);
   settings.max_time = std::chrono::seconds(config.decode_seconds);
   return settings;

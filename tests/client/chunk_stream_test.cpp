@@ -11,6 +11,7 @@
 #include "tests/client/cutting_proxy.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/service_fixture.h"
+#include "tests/support/unused_port.h"
 
 namespace tet::test {
 namespace {
@@ -165,6 +166,9 @@ TEST_F(ChunkStreamTest, GoOnWhereAConnectionBroke) {
 }
 
 TEST_F(ChunkStreamTest, GoOnWhenTheServerIsBack) {
+  const UnusedPort port;
+  config_.listen = port.address();
+  restart();
   const v1::MeshRequest ball = uniform_ball(48);
   const auto source = chunks_of(ball);
   const auto header = source->header();
@@ -174,7 +178,6 @@ TEST_F(ChunkStreamTest, GoOnWhenTheServerIsBack) {
   ASSERT_TRUE(chunk.ok() && *chunk != nullptr) << chunk.status();
   assembly.add(**chunk);
 
-  config_.listen = server_->address();
   const auto client = std::exchange(client_, nullptr);  // which the source's connection is of
   restart();
   for (chunk = source->next(); chunk.ok() && *chunk != nullptr; chunk = source->next()) {

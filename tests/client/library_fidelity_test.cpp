@@ -76,8 +76,11 @@ TEST_F(FidelityOnAServer, IsWhatItIsHereHoweverChunksCome) {
   EXPECT_EQ(client().mesh(stored, request).value().header().id,
             client().mesh(stored, faces).value().header().id);
   EXPECT_TRUE(client().mesh(stored, faces).value().statistics().fidelity.empty());
-  EXPECT_GT(client().estimate(stored, request).value().seconds,
-            client().estimate(stored, faces).value().seconds);
+  // Either is measured anew each time, by the clock: what else the machine did may be in it.
+  EXPECT_TRUE(tet::test::eventually([&] {
+    return client().estimate(stored, request).value().seconds >
+           client().estimate(stored, faces).value().seconds;
+  }));
 }
 
 TEST_F(FidelityOnAServer, IsRefusedToASessionHereAndThere) {

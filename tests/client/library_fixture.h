@@ -111,8 +111,9 @@ inline void expect_same(const Mesh& a, const Mesh& b) {
 /// A server, and a client of the library that is connected to it.
 class LibraryOnAServer : public tet::test::ServiceTest {
  protected:
-  LibraryOnAServer() {
+  explicit LibraryOnAServer(std::uint64_t job_workers = tet::Config().job_workers) {
     config_.jobs.clear();  // beside its store
+    config_.job_workers = job_workers;
     start();
     client_of_ours_ = Client::connect(server_->address()).value();
   }

@@ -64,7 +64,14 @@ TEST_F(JobsOnAServer, AreListedByLabelsAndWatched) {
   EXPECT_EQ(changes.back(), JobChange::kFinished);
 }
 
-TEST_F(JobsOnAServer, AreCancelledRetriedAndRemoved) {
+/// Jobs that nobody does: none is over before a test has come to it.
+class JobsThatWait : public test::LibraryOnAServer {
+ protected:
+  JobsThatWait() : LibraryOnAServer(0) {}
+  Jobs jobs() const { return Jobs(client()); }
+};
+
+TEST_F(JobsThatWait, AreCancelledRetriedAndRemoved) {
   const Scene ball = Scene::from_json(R"({"nodes": [{"sphere": {"radius": 1}}]})").value();
   const JobOrder order{.request_id = "one"};
   const std::string name = jobs().submit(ball, {.spacing = 0.004}, order).value().name;

@@ -16,6 +16,7 @@
 #include "proto/wire/checksum.h"
 #include "proto/wire/shared_columns.h"
 #include "proto/wire/side_messages.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_directory.h"
 
 namespace tet {
@@ -29,6 +30,11 @@ class SharedChunksTest : public testing::Test {
   SharedChunksTest()
       : listener_(listen_for_packets(path_ + kSideSocketEnding, 4)),
         memory_(*SealedMemory::make(kBlock * kBlocks)) {}
+
+  /// Answers for several chunks, and waits for the server, however slow we are.
+  static SharedChunks patient(std::chrono::milliseconds answers_within = test::kGenerousEnd) {
+    return SharedChunks(answers_within, test::kGenerousEnd);
+  }
 
   /// The client connects and is told a token.
   void meet() {
@@ -85,8 +91,7 @@ class SharedChunksTest : public testing::Test {
   const Cancellation never_;
   Descriptor listener_, accepted_;
   SealedMemory memory_;
-  SharedChunks chunks_{
-      std::chrono::hours(1)};  // answers for several chunks, however slow we are
+  SharedChunks chunks_ = patient();
 };
 
 TEST_F(SharedChunksTest, CopiesColumnsAndTellsTheirChecksum) {
@@ -125,7 +130,7 @@ TEST_F(SharedChunksTest, AsksForEventsWhereverItAsksForMemory) {
   meet_while([&] { chunks_.ask(stream, path_, never_); });
   EXPECT_EQ(stream.shared_memory(), token_);
   EXPECT_TRUE(stream.shared_memory_events());
-  chunks_ = SharedChunks();
+  chunks_ = patient();
   accepted_ = Descriptor();
   meet_while([&] { chunks_.ask(session, path_, never_); });
   EXPECT_EQ(session.shared_memory(), token_);
@@ -155,7 +160,7 @@ TEST_F(SharedChunksTest, TakesNoMemoryThatMayBecomeShorterOrIsNot) {
   ASSERT_EQ(::posix_fallocate(unsealed.number(), 0, kBlock * kBlocks), 0);
   const SealedMemory shorter = *SealedMemory::make(kBlock);
   for (const Descriptor* memory : {&unsealed, &shorter.descriptor()}) {
-    chunks_ = SharedChunks();
+    chunks_ = patient();
     accepted_ = Descriptor();
     meet();
     ASSERT_TRUE(hand_over(*memory));
@@ -169,7 +174,7 @@ TEST_F(SharedChunksTest, WantsTheMemoryThatTheHeaderTellsOf) {
   meet();
   ASSERT_TRUE(hand_over(memory_.descriptor(), kBlock));
   EXPECT_EQ(chunks_.open(told(), never_).code(), absl::StatusCode::kUnavailable);
-  chunks_ = SharedChunks();
+  chunks_ = patient();
   accepted_ = Descriptor();
   meet();
   ASSERT_TRUE(hand_over(Descriptor()));  // no file
@@ -199,7 +204,7 @@ TEST_F(SharedChunksTest, RefusesSizesThatCannotBe) {
                                             {4096, -1},
                                             {INT64_MAX, INT64_MAX},
                                             {std::int64_t{1} << 30, 1 << 16}}) {
-    chunks_ = SharedChunks();
+    chunks_ = patient();
     accepted_ = Descriptor();
     meet();
     EXPECT_EQ(chunks_.open(told(block_bytes, blocks), never_).code(),
@@ -250,7 +255,7 @@ TEST_F(SharedChunksTest, ConnectsAnewAfterAStreamThatFailedOrAServerThatLeft) {
 TEST_F(SharedChunksTest, HoldsNothingBetweenStreamsThatNobodyElseCanFree) {
   const SealedMemory freed = *SealedMemory::make(kBlock * kBlocks, Readers::kOtherUser);
   for (const SealedMemory* memory : std::array<const SealedMemory*, 2>{&memory_, &freed}) {
-    chunks_ = SharedChunks();
+    chunks_ = patient();
     accepted_ = Descriptor();
     meet();
     ASSERT_TRUE(hand_over(memory->descriptor()));
@@ -359,7 +364,7 @@ TEST_F(SharedChunksTest, AnswersForSeveralChunksAtOnce) {
 }
 
 TEST_F(SharedChunksTest, AnswersInTimeWhereChunksAreSlowToCome) {
-  chunks_ = SharedChunks(std::chrono::milliseconds(1));
+  chunks_ = patient(std::chrono::milliseconds(1));
   open_for_events(7);
   ASSERT_TRUE(say("one") && takes("one"));
   chunks_.acknowledge(0);  // and nothing comes
@@ -376,7 +381,7 @@ TEST_F(SharedChunksTest, AnswersInTimeWhereChunksAreSlowToCome) {
 }
 
 TEST_F(SharedChunksTest, AnswersEachChunkThatTakesItsTime) {
-  chunks_ = SharedChunks(std::chrono::milliseconds(0));
+  chunks_ = patient(std::chrono::milliseconds(0));
   open_for_events(7);
   SideMessage said{};
   for (std::uint64_t chunk = 0; chunk < 3; ++chunk) {

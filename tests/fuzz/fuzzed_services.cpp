@@ -30,14 +30,15 @@ namespace {
 
 namespace v1 = ::tetstream::v1;
 
-constexpr std::chrono::seconds kGenerous{60};
+/// How long one waits for what has to come, and how long the server does for that.
+constexpr std::chrono::seconds kGenerous{600};
 constexpr int kEdge = 12;
 
 // A fuzzer's inputs are soon given up; first inputs are answered, however slow the machine is.
 #ifdef TET_LIBFUZZER
 constexpr std::uint64_t kPatienceSeconds = 1;
 #else
-constexpr std::uint64_t kPatienceSeconds = 60;
+constexpr std::uint64_t kPatienceSeconds = kGenerous.count();
 #endif
 
 /// A method that is added is driven, or this fails.
@@ -210,8 +211,10 @@ void Services::start() {
   config.threads = 2;
   config.job_workers = 1;
   config.decoders = 1;
-  config.decode_seconds = config.plan_seconds = config.queue_seconds = kPatienceSeconds;
-  config.session_idle_seconds = config.stall_seconds = kPatienceSeconds;
+  config.plan_seconds = config.queue_seconds = kPatienceSeconds;
+  config.session_idle_seconds = kPatienceSeconds;
+  // The first files are uploaded, and looked into, in any case.
+  config.decode_seconds = config.stall_seconds = kGenerous.count();
   config.resident_bytes = config.plan_bytes = std::uint64_t{32} << 20;
   config.send_bytes = config.receive_bytes = std::uint64_t{16} << 20;
   config.store_bytes = config.result_bytes = std::uint64_t{64} << 20;

@@ -33,9 +33,9 @@ namespace v1 = ::tetstream::v1;
 #ifdef TET_LIBFUZZER
 constexpr std::chrono::milliseconds kAllCalls{600}, kOneCall{200}, kOneWatch{40};
 #else
-constexpr std::chrono::seconds kAllCalls{300}, kOneCall{60}, kOneWatch{20};
+constexpr std::chrono::seconds kAllCalls{800}, kOneCall{600}, kOneWatch{600};
 #endif
-constexpr std::chrono::seconds kGenerous{60};
+constexpr std::chrono::seconds kGenerous{600};
 constexpr std::size_t kMostMessages = 24;
 constexpr std::uint8_t kGoesOn = 0x80;
 /// What an input begins with whose store is read by another server: few, as that takes a while.

@@ -15,6 +15,12 @@ bool is_expected(absl::StatusCode code) {
          code == absl::StatusCode::kResourceExhausted;
 }
 
+/// What a machine that is busy with other things may make of any file.
+bool is_unanswered(absl::StatusCode code) {
+  return code == absl::StatusCode::kDeadlineExceeded ||
+         code == absl::StatusCode::kUnavailable || code == absl::StatusCode::kAborted;
+}
+
 }  // namespace
 
 double processor_seconds() {
@@ -29,6 +35,7 @@ void CampaignResult::add(const CampaignResult& other) {
   unlike_seed += other.unlike_seed;
   accepted_changed += other.accepted_changed;
   unexpected += other.unexpected;
+  unanswered += other.unanswered;
   seconds += other.seconds;
   slow.insert(slow.end(), other.slow.begin(), other.slow.end());
   if (other.slowest_seconds <= slowest_seconds) return;
@@ -45,7 +52,8 @@ CampaignResult run_trial(std::uint64_t index,
   CampaignResult result;
   result.seconds = result.slowest_seconds = trial.used() - before;
   result.slowest = index;
-  if (result.seconds > kSlowSeconds) result.slow.push_back(index);
+  result.unanswered = is_unanswered(status.code()) ? 1 : 0;
+  if (result.seconds > kSlowSeconds || result.unanswered > 0) result.slow.push_back(index);
   result.mutants = 1;
   result.outcomes[status.code()] = 1;
   result.unlike_seed = mutant.changed ? 1 : 0;

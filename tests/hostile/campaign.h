@@ -25,7 +25,8 @@ struct Trial {
 /// What this process has used.
 double processor_seconds();
 
-/// What takes as long beside other trials may be slow, or they are.
+/// What takes as long beside other trials may be slow, or they are. So may what ends with
+/// kDeadlineExceeded, kUnavailable or kAborted: no answer came in time.
 inline constexpr double kSlowSeconds = 1;
 
 /// Counts and the slowest of a campaign.
@@ -37,8 +38,9 @@ struct CampaignResult {
   double seconds = 0;                  ///< of processors, in the trials
   double slowest_seconds = 0;
   std::uint64_t slowest = 0;        ///< the mutant that took it
-  std::vector<std::uint64_t> slow;  ///< mutants that took longer than kSlowSeconds
+  std::vector<std::uint64_t> slow;  ///< mutants that took longer than kSlowSeconds, or too long
   std::uint64_t unexpected = 0;     ///< neither accepted nor refused as hostile files are
+  std::uint64_t unanswered = 0;     ///< those of them that had no answer in time
 
   void add(const CampaignResult& other);
 };

@@ -5,9 +5,9 @@
 //
 // Each file is uploaded, looked into and meshed. Fails with exit code 1 when one was neither
 // meshed nor refused as hostile files are, when a trial took the server and its decoders more
-// than --max-seconds of processors (those that were slow beside others are tried again alone,
-// and count as that), when the server had more memory than --max-bytes, when it died, or when
-// it no longer meshes a good file.
+// than --max-seconds of processors (those that were slow beside others, or had no answer in
+// time, are tried again alone, and count as that), when the server had more memory than
+// --max-bytes, when it died, or when it no longer meshes a good file.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -97,7 +97,8 @@ CampaignResult attack_alone(const Mutator& mutator,
                         std::cout));
   }
   std::cout << absl::StrFormat(
-      "%10d  of them took longer than %g s of processors; alone the slowest took %.3f ms "
+      "%10d  of them took longer than %g s of processors, or had no answer; alone the slowest "
+      "took %.3f ms "
       "(mutant %d)\n",
       total.mutants, kSlowSeconds, total.slowest_seconds * 1e3, total.slowest);
   return total;
@@ -109,7 +110,7 @@ CampaignResult attack_with_mutants(const Options& options, const ServerProcess& 
   CampaignResult result = attack(mutator, options, server);
   print_result(result, std::cout);
   const CampaignResult alone = attack_alone(mutator, result.slow, server);
-  result.unexpected += alone.unexpected;
+  result.unexpected += alone.unexpected - result.unanswered;
   if (alone.mutants > 0) result.slowest_seconds = alone.slowest_seconds;
   return result;
 }
@@ -130,14 +131,19 @@ CampaignResult attack_with_files(const std::string& folder, const ServerProcess&
   ServiceTrial service(server.address());
   CampaignResult total;
   for (const SeedFile& file : files) {
-    total.add(run_trial(total.mutants, {file.bytes, true, file.name},
-                        {[&](const Mutant& mutant) {
-                           const absl::Status status = service.run(mutant.bytes);
-                           std::cout << file.name << ": " << status << '\n';
-                           return status;
-                         },
-                         [&] { return server.processor_seconds(); }},
-                        std::cout));
+    const auto attempt = [&] {
+      return run_trial(total.mutants, {file.bytes, true, file.name},
+                       {[&](const Mutant& mutant) {
+                          const absl::Status status = service.run(mutant.bytes);
+                          std::cout << file.name << ": " << status << '\n';
+                          return status;
+                        },
+                        [&] { return server.processor_seconds(); }},
+                       std::cout);
+    };
+    CampaignResult one = attempt();
+    if (!one.slow.empty()) one = attempt();  // what else the machine did may have made it so
+    total.add(one);
   }
   print_result(total, std::cout);
   return total;

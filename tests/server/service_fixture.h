@@ -31,6 +31,8 @@ class ServiceTest : public testing::Test {
     config_.store = folder_.file("store");
     config_.threads = 2;
     config_.jobs = "off";
+    // A test that stands still must not be taken for a client that does.
+    config_.stall_seconds = 3600;
   }
 
   void start() {

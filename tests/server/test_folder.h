@@ -1,23 +1,27 @@
 // A folder of a test's own, gone when the test is.
 #pragma once
 
-#include <atomic>
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <unistd.h>
+#include <system_error>
 
 namespace tet::test {
 
 class TestFolder {
  public:
+  /// Nobody has had it before: a process that was killed leaves its own, and its number comes
+  /// again.
   TestFolder() {
-    static std::atomic<int> count{0};
-    path_ = std::filesystem::temp_directory_path() /
-            ("tet-test-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
-    std::filesystem::create_directories(path_);
+    std::string pattern = std::filesystem::temp_directory_path() / "tet-test-XXXXXX";
+    if (::mkdtemp(pattern.data()) == nullptr) {
+      throw std::system_error(errno, std::generic_category(), pattern);
+    }
+    path_ = pattern;
   }
   ~TestFolder() { std::filesystem::remove_all(path_); }
   TestFolder(const TestFolder&) = delete;

@@ -50,8 +50,12 @@ class StandIn final : public RequestSender {
 
   void send(const LoadRequest& request, Done done) override {
     const std::lock_guard lock(mutex_);
-    const TimePoint arrived = behaviour_.by_schedule ? request.intended : Clock::now();
-    if (++sent_ == 1) stall_from_ = request.intended + behaviour_.stall_after;
+    last_sent_ = Clock::now();
+    const TimePoint arrived = behaviour_.by_schedule ? request.intended : last_sent_;
+    if (++sent_ == 1) {
+      first_sent_ = last_sent_;
+      stall_from_ = request.intended + behaviour_.stall_after;
+    }
     if (sent_ == behaviour_.stall_with) stall_from_ = arrived;
     waiting_.push_back({request, std::move(done), arrived, sent_});
     changed_.notify_all();
@@ -77,6 +81,12 @@ class StandIn final : public RequestSender {
   std::size_t sent() const {
     const std::lock_guard lock(mutex_);
     return sent_;
+  }
+
+  /// From the first request that was sent to the last, by the clock.
+  Nanoseconds sending() const {
+    const std::lock_guard lock(mutex_);
+    return last_sent_ - first_sent_;
   }
 
  private:
@@ -132,7 +142,7 @@ class StandIn final : public RequestSender {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Waiting> waiting_;
-  TimePoint free_from_{}, stall_from_{};
+  TimePoint free_from_{}, stall_from_{}, first_sent_{}, last_sent_{};
   std::size_t sent_ = 0;
   std::vector<Served> served_;
   std::size_t given_up_ = 0;  ///< up to this one

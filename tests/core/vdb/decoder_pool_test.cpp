@@ -35,10 +35,7 @@ std::vector<pid_t> children() {
 class DecoderPoolTest : public test::DecodeTest {
  protected:
   static DecoderSettings settings(const std::string& program = "", int processes = 2) {
-    DecoderSettings settings;
-    settings.program = program;
-    settings.processes = processes;
-    return settings;
+    return test::patient_settings(program, processes);
   }
 
   static std::future<absl::Status> ask(DecoderPool& pool,

@@ -39,17 +39,22 @@ class DecoderTest : public test::DecodeTest {
   void expect_failure(const std::string& deed,
                       const std::string& name,
                       const std::string& why) {
-    const absl::Status status = outcome(deed);
-    EXPECT_TRUE(absl::IsInvalidArgument(status)) << deed << ": " << status;
-    EXPECT_EQ(failure_name(status), name) << deed << ": " << status;
-    EXPECT_THAT(std::string(status.message()), HasSubstr(why)) << deed;
-    EXPECT_THAT(std::string(status.message()), HasSubstr("'grids/abc'")) << deed;
+    SCOPED_TRACE(deed);
+    expect_told(outcome(deed), name, why);
+  }
+  static void expect_told(const absl::Status& status,
+                          const std::string& name,
+                          const std::string& why) {
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    EXPECT_EQ(failure_name(status), name) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(why));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("'grids/abc'"));
   }
 };
 
 TEST_F(DecoderTest, HandsBackWhatThisProcessWouldRead) {
   const absl::StatusOr<Volume> there =
-      volume_of(decode_once(request(), {}, nullptr), request());
+      volume_of(decode_once(request(), test::patient_settings(), nullptr), request());
   const absl::StatusOr<Volume> here = load_volume(path_, "");
   ASSERT_TRUE(there.ok()) << there.status();
   EXPECT_EQ(there->name, here->name);
@@ -61,7 +66,7 @@ TEST_F(DecoderTest, HandsBackWhatThisProcessWouldRead) {
 TEST_F(DecoderTest, ListsWhatThisProcessWouldList) {
   FileRequest list = request();
   list.task = DecodeTask::kGridList;
-  const auto there = grid_list_of(decode_once(list, {}, nullptr), list);
+  const auto there = grid_list_of(decode_once(list, test::patient_settings(), nullptr), list);
   ASSERT_TRUE(there.ok()) << there.status();
   ASSERT_EQ(there->size(), 1U);
   EXPECT_EQ(there->front().name, "sphere");
@@ -85,27 +90,29 @@ TEST_F(DecoderTest, HandsBackEachComponentOfAField) {
   FileRequest field = request("vec3");
   field.task = DecodeTask::kField;
   for (field.component = 0; field.component < 3; ++field.component) {
-    const auto there = volume_of(decode_once(field, {}, nullptr), field);
+    const auto there = volume_of(decode_once(field, test::patient_settings(), nullptr), field);
     ASSERT_TRUE(there.ok()) << there.status();
     EXPECT_EQ(there->kind, VolumeKind::kVectorField);
     EXPECT_EQ(there->values, load_field(path_, "vec3", field.component)->values);
   }
-  EXPECT_TRUE(
-      absl::IsInvalidArgument(volume_of(decode_once(field, {}, nullptr), field).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(
+      volume_of(decode_once(field, test::patient_settings(), nullptr), field).status()));
 }
 
 TEST_F(DecoderTest, IsNotBelievedToHaveReadAFieldForASurface) {
   FileRequest field = request();
   field.task = DecodeTask::kField;
   for (const auto& [asked, read] : {std::pair(field, request()), std::pair(request(), field)}) {
-    const absl::Status status = volume_of(decode_once(read, {}, nullptr), asked).status();
+    const absl::Status status =
+        volume_of(decode_once(read, test::patient_settings(), nullptr), asked).status();
     EXPECT_EQ(failure_name(status), "DECODER_RESULT") << status;
   }
 }
 
 TEST_F(DecoderTest, PassesOnWhatTheReaderSaysOfTheFile) {
   const FileRequest other = request("other");
-  const absl::Status status = volume_of(decode_once(other, {}, nullptr), other).status();
+  const absl::Status status =
+      volume_of(decode_once(other, test::patient_settings(), nullptr), other).status();
   EXPECT_TRUE(absl::IsNotFound(status)) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr("no grid 'other'"));
   EXPECT_THAT(std::string(status.message()), Not(HasSubstr(path_)));
@@ -114,7 +121,9 @@ TEST_F(DecoderTest, PassesOnWhatTheReaderSaysOfTheFile) {
 TEST_F(DecoderTest, CostsOnlyItsRequestWhenItEndsBadly) {
   expect_crash("segfault", "signal 11");
   expect_crash("exit", "ended with 5");
-  expect_crash("close", "did not answer");  // and had to be killed
+  DecoderSettings impatient = test::patient_settings(hostile("close"));
+  impatient.program.patience.last_moment = 100ms;  // for then it has to be killed
+  expect_told(outcome(impatient), "DECODER_CRASHED", "did not answer");
 }
 
 TEST_F(DecoderTest, IsNotBelievedWhatItSays) {
@@ -137,8 +146,8 @@ TEST_F(DecoderTest, IsNotBelievedWhatItHandsBack) {
 
 TEST_F(DecoderTest, IsUnavailableWhenNoProgramStarts) {
   for (const char* deed : {"stillborn", "no/such/program"}) {
-    DecoderSettings settings;
-    settings.program = deed == std::string("stillborn") ? hostile(deed) : deed;
+    const DecoderSettings settings =
+        test::patient_settings(deed == std::string("stillborn") ? hostile(deed) : deed);
     const absl::Status status = decode_once(request(), settings, nullptr).status();
     EXPECT_TRUE(absl::IsUnavailable(status)) << status;
     EXPECT_EQ(failure_name(status), "DECODER_UNAVAILABLE");
@@ -146,8 +155,7 @@ TEST_F(DecoderTest, IsUnavailableWhenNoProgramStarts) {
 }
 
 TEST_F(DecoderTest, IsKilledWhenItTakesTooLong) {
-  DecoderSettings settings;
-  settings.program = hostile("hang");
+  DecoderSettings settings = test::patient_settings(hostile("hang"));
   settings.max_time = 200ms;
   const absl::Status status = decode_once(request(), settings, nullptr).status();
   EXPECT_EQ(failure_name(status), "DECODER_TIMEOUT") << status;
@@ -155,8 +163,7 @@ TEST_F(DecoderTest, IsKilledWhenItTakesTooLong) {
 }
 
 TEST_F(DecoderTest, IsKilledAtOnceWhenNobodyWantsItsResult) {
-  DecoderSettings settings;
-  settings.program = hostile("hang");
+  const DecoderSettings settings = test::patient_settings(hostile("hang"));
   std::atomic<bool> cancelled{false};
   std::atomic<int> told{0};
   auto decoding = std::async(std::launch::async, [&] {
@@ -167,15 +174,15 @@ TEST_F(DecoderTest, IsKilledAtOnceWhenNobodyWantsItsResult) {
                        })
         .status();
   });
-  EXPECT_NE(test::hanging_decoder(settings.program), 0);
+  EXPECT_NE(test::hanging_decoder(settings.program.path), 0);
   cancelled = true;
   EXPECT_TRUE(absl::IsCancelled(decoding.get()));
   EXPECT_LE(told, 2) << "who was told so does not ask again and again";
 }
 
 TEST_F(DecoderTest, IsNotAskedForAFileThatIsWalkedOverForNobody) {
-  DecoderSettings settings;
-  settings.program = directory_.file("no program");  // nobody gets as far as to miss it
+  // Nobody gets as far as to miss it.
+  const DecoderSettings settings = test::patient_settings(directory_.file("no program"));
   int asked = 0;
   const absl::Status status =
       decode_once(request(), settings, [&] { return ++asked > 0; }).status();
@@ -184,7 +191,7 @@ TEST_F(DecoderTest, IsNotAskedForAFileThatIsWalkedOverForNobody) {
 }
 
 TEST_F(DecoderTest, IsEndedBeforeAnyOtherWhereMemoryIsShort) {
-  absl::StatusOr<Decoder> decoder = Decoder::start({});
+  absl::StatusOr<Decoder> decoder = Decoder::start(test::patient_program());
   ASSERT_TRUE(decoder.ok()) << decoder.status();
   ASSERT_EQ(decoder->wait_until_ready(nullptr), absl::OkStatus());
   absl::StatusOr<Decoder> copy = decoder->copy(nullptr);
@@ -198,7 +205,7 @@ TEST_F(DecoderTest, IsEndedBeforeAnyOtherWhereMemoryIsShort) {
 }
 
 TEST_F(DecoderTest, CopiesItselfForOneFileAfterAnother) {
-  absl::StatusOr<Decoder> original = Decoder::start({});
+  absl::StatusOr<Decoder> original = Decoder::start(test::patient_program());
   ASSERT_TRUE(original.ok()) << original.status();
   ASSERT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
   for (int i = 0; i < 3; ++i) {
@@ -215,7 +222,7 @@ TEST_F(DecoderTest, CopiesItselfForOneFileAfterAnother) {
 
 // The sandbox killed one that closed its files when it had answered.
 TEST_F(DecoderTest, EndsByItselfOnceItHasAnswered) {
-  absl::StatusOr<Decoder> decoder = Decoder::start({});
+  absl::StatusOr<Decoder> decoder = Decoder::start(test::patient_program());
   ASSERT_TRUE(decoder.ok()) << decoder.status();
   ASSERT_EQ(decoder->wait_until_ready(nullptr), absl::OkStatus());
   ASSERT_EQ(decode_with(*decoder), absl::OkStatus());
@@ -227,7 +234,8 @@ TEST_F(DecoderTest, EndsByItselfOnceItHasAnswered) {
 TEST_F(DecoderTest, LeavesNoProcessBehind) {
   pid_t pid = 0;
   {
-    const absl::StatusOr<Decoder> decoder = Decoder::start({hostile("asleep"), {}});
+    const absl::StatusOr<Decoder> decoder =
+        Decoder::start(test::patient_program(hostile("asleep")));
     ASSERT_TRUE(decoder.ok()) << decoder.status();
     pid = decoder->pid();
     EXPECT_EQ(::kill(pid, 0), 0);
@@ -240,7 +248,7 @@ TEST_F(DecoderTest, LeavesNoProcessBehind) {
 TEST_F(DecoderTest, LeavesNoCopyBehindThatNobodyWasToldOf) {
   for (const char* const deed : {"silent", "gone"}) {
     const std::string program = hostile(deed);
-    absl::StatusOr<Decoder> original = Decoder::start({program, {}});
+    absl::StatusOr<Decoder> original = Decoder::start(test::patient_program(program));
     ASSERT_TRUE(original.ok()) << original.status();
     ASSERT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
     const bool cancels = std::string_view(deed) == "silent";
@@ -257,11 +265,13 @@ TEST_F(DecoderTest, LeavesNoCopyBehindThatNobodyWasToldOf) {
 TEST_F(DecoderTest, EndsWithTheThreadThatStartedIt) {
   std::optional<absl::StatusOr<Decoder>> decoder;
   std::thread([&] {
-    absl::StatusOr<Decoder> original = Decoder::start({});
+    absl::StatusOr<Decoder> original = Decoder::start(test::patient_program());
     EXPECT_EQ(original->wait_until_ready(nullptr), absl::OkStatus());
     decoder.emplace(original->copy(nullptr));
     EXPECT_EQ((*decoder)->wait_until_ready(nullptr), absl::OkStatus());
   }).join();
+  // A thread has been joined before its children are told.
+  ASSERT_TRUE(test::eventually([&] { return test::has_ended((*decoder)->pid()); }));
   const absl::Status status = decode_with(**decoder);
   EXPECT_FALSE(status.ok());
   EXPECT_NE(failure_name(status), "DECODER_TIMEOUT") << status;

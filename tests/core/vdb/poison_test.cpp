@@ -31,7 +31,7 @@ class PoisonTest : public test::DecodeTest {
   /// The result's bytes, or why there are none.
   std::string decode(const std::string& poison) {
     DecoderSupply& supply =
-        supplies_.try_emplace(poison, DecoderProgram{"", {"MALLOC_PERTURB_=" + poison}})
+        supplies_.try_emplace(poison, test::patient_program("", {"MALLOC_PERTURB_=" + poison}))
             .first->second;
     absl::StatusOr<Decoder> decoder = supply.take(nullptr);
     if (!decoder.ok() || !decoder->wait_until_ready(nullptr).ok()) return "not started";

@@ -57,8 +57,7 @@ TEST_F(SandboxTest, EndsWhatGrows) {
 }
 
 TEST_F(SandboxTest, EndsWhatSpins) {
-  DecoderSettings settings;
-  settings.program = hostile("spin");
+  DecoderSettings settings = test::patient_settings(hostile("spin"));
   settings.max_time = std::chrono::milliseconds(200);
   const absl::Status status = decode_once(request(), settings, nullptr).status();
   EXPECT_EQ(failure_name(status), "DECODER_TIMEOUT") << status;
@@ -68,7 +67,7 @@ TEST_F(SandboxTest, TellsThatWhatSpinsHadItsTimeOfAProcessor) {
   absl::StatusOr<CheckedFile> checked = check_request(request(), test::kGenerousEnd);
   ASSERT_TRUE(checked.ok()) << checked.status();
   checked->order.limits.cpu_seconds = 1;
-  absl::StatusOr<Decoder> decoder = Decoder::start({hostile("spin"), {}});
+  absl::StatusOr<Decoder> decoder = Decoder::start(test::patient_program(hostile("spin")));
   ASSERT_TRUE(decoder.ok()) << decoder.status();
   ASSERT_EQ(decoder->wait_until_ready(nullptr), absl::OkStatus());
   const absl::Status status =

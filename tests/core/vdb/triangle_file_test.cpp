@@ -44,7 +44,7 @@ class TriangleFileTest : public test::DecodeTest {
   }
 
   absl::StatusOr<Volume> decoded(const FileRequest& request) const {
-    return volume_of(decode_once(request, {}, nullptr), request);
+    return volume_of(decode_once(request, test::patient_settings(), nullptr), request);
   }
 
   std::string refusal() const {
@@ -77,7 +77,7 @@ TEST_F(TriangleFileTest, IsListedAsAGridWithWhatItWasMadeOf) {
   const auto sphere = test::sphere_surface({}, 1, 64);
   write(test::without(sphere, 900, 1));
   const FileRequest list = order(DecodeTask::kGridList);
-  const auto grids = grid_list_of(decode_once(list, {}, nullptr), list);
+  const auto grids = grid_list_of(decode_once(list, test::patient_settings(), nullptr), list);
   ASSERT_TRUE(grids.ok()) << grids.status();
   ASSERT_EQ(grids->size(), 1U);
   EXPECT_EQ(grids->front().name, "surface");

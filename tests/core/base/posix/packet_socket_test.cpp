@@ -94,7 +94,7 @@ TEST(PacketSocket, AwaitsAMessageThoughSignalsCome) {
   bool came = false;
   Waiting waiting([&] {
     Descriptor passed;
-    came = await_packet(pair.ours, taken, 5min, passed);
+    came = await_packet(pair.ours, taken, 1h, passed);
   });
   waiting.interrupt_and_send(pair.theirs);
   EXPECT_TRUE(came);
@@ -108,7 +108,7 @@ TEST(PacketSocket, AwaitsAMessageOfAnySizeThoughSignalsCome) {
   std::optional<Packet> packet;
   Waiting waiting([&] {
     std::size_t size = 0;
-    packet = await_any_packet(pair.ours, taken, size, 5min);
+    packet = await_any_packet(pair.ours, taken, size, 1h);
   });
   waiting.interrupt_and_send(pair.theirs);
   EXPECT_EQ(packet, Packet::kTaken);
