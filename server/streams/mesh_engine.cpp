@@ -90,8 +90,8 @@ Admission::Place MeshEngine::admit(const Call& call,
     if (!ticket.ok()) return answer(std::move(ticket));
     activity.meshes.fetch_add(1);
     answer(Ticket(this, [this, admitted = *std::move(ticket)](void*) mutable {
-      activity.meshes.fetch_sub(1);
       admitted.reset();
+      activity.meshes.fetch_sub(1);  // last: a mesh that is not counted has no place, either
     }));
   };
   return calls.admission().queue_mesh(call.client(), deadline, count);

@@ -29,6 +29,7 @@ class AdmissionServiceTest : public ServiceTest {
  protected:
   AdmissionServiceTest() {
     config_.max_streams = 1;
+    config_.queue_seconds = 3600;  // nobody waits for longer than a test's threads stand still
     start();
   }
 

@@ -10,6 +10,7 @@
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/token_book.h"
+#include "tests/server/until_healthy.h"
 
 namespace tet::test {
 namespace {
@@ -74,9 +75,11 @@ class CredentialsTest : public ServiceTest {
   grpc::Status make(const EveryCall& call,
                     const std::shared_ptr<grpc::Channel>& channel,
                     const std::string& authorization) {
-    grpc::ClientContext context;
-    if (!authorization.empty()) context.AddMetadata("authorization", authorization);
-    const grpc::Status status = call.make(channel, context);
+    const grpc::Status status = asked_until_healthy([&] {
+      grpc::ClientContext context;
+      if (!authorization.empty()) context.AddMetadata("authorization", authorization);
+      return call.make(channel, context);
+    });
     EXPECT_THAT(status.error_message() + status.error_details(), Not(HasSubstr("secret-of-")));
     return status;
   }
@@ -101,10 +104,7 @@ class CredentialsTest : public ServiceTest {
         ++pairs;
       }
     }
-    EXPECT_TRUE(MeshClient::connect(server_->address(), options)
-                    .value()
-                    ->check_health("readiness", never_)
-                    .ok());
+    EXPECT_TRUE(comes_to_serve(*MeshClient::connect(server_->address(), options).value()));
     return pairs;
   }
 
@@ -197,7 +197,7 @@ grpc::StatusCode ask_for_reflection(const std::shared_ptr<grpc::Channel>& channe
 TEST_F(CredentialsTest, AreNotNeededForHealthAndTurnReflectionOff) {
   start_with_tokens({});
   for (const char* service : {"", "liveness", "readiness"}) {
-    EXPECT_TRUE(MeshClient::connect(server_->address())->check_health(service, never_).ok());
+    EXPECT_TRUE(comes_to_serve(*MeshClient::connect(server_->address()), service));
   }
   EXPECT_EQ(ask_for_reflection(channel_of({})), grpc::StatusCode::UNIMPLEMENTED);
   server_.reset();
@@ -215,7 +215,7 @@ TEST_F(CredentialsTest, AreNeverLogged) {
   expect_matrix({});
   server_.reset();
   start_logging("error");
-  flush_log(std::chrono::minutes(1));
+  flush_log(kGenerousEnd);
   const std::string log = testing::internal::GetCapturedStderr();
   for (const char* shown : {"tokens_kept", "UNAUTHENTICATED", "PERMISSION_DENIED"}) {
     EXPECT_NE(log.find(shown), std::string::npos) << shown;

@@ -45,6 +45,20 @@ class DecodingTest : public ServiceTest {
     return reader->Finish();
   }
 
+  /// Whether a decode that hangs is ended with its call: before the limit does that.
+  bool ends_with_its_call(const v1::MeshRequest& hang) {
+    std::filesystem::remove(config_.decoder + kHangs);
+    grpc::ClientContext context;
+    const auto reader = meshes_->StreamMesh(&context, stream_of(hang));
+    const pid_t hanging = hanging_decoder(config_.decoder);
+    EXPECT_NE(hanging, 0);
+    context.TryCancel();
+    const auto start = std::chrono::steady_clock::now();
+    const bool cancelled = reader->Finish().error_code() == grpc::StatusCode::CANCELLED;
+    EXPECT_TRUE(eventually([&] { return has_ended(hanging); }));
+    return cancelled && std::chrono::steady_clock::now() - start < kTimeLimit;
+  }
+
   static grpc::Status expect_reason(const grpc::Status& status, const std::string& reason) {
     EXPECT_EQ(reason_of(status), "tetstream/" + reason) << status.error_message();
     EXPECT_THAT(status.error_message(), Not(HasSubstr("/store/")));
@@ -60,10 +74,11 @@ TEST_F(DecodingTest, CostsTheCrashedRequestAnErrorAndTheOthersNothing) {
     for (; crashes < trials(); ++crashes) expect_reason(mesh(ball, "crash"), "DECODER_CRASHED");
   });
   constexpr int kFiles = 32;  // small ones, each of which is decoded
-  for (int turn = 0; crashes < trials(); ++turn) {
-    const double voxel = 1 / (9 + 0.25 * (turn % kFiles));
+  int turn = 0;
+  do {
+    const double voxel = 1 / (9 + 0.25 * (turn++ % kFiles));
     mesh(mesh_of(solid_file("sphere", voxel))).ok() ? ++healthy : ++failed;
-  }
+  } while (crashes < trials());
   hostile.join();
   std::printf("%d crashes beside %d meshes\n", crashes.load(), healthy.load());
   EXPECT_GT(healthy, 0);
@@ -71,13 +86,19 @@ TEST_F(DecodingTest, CostsTheCrashedRequestAnErrorAndTheOthersNothing) {
 }
 
 TEST_F(DecodingTest, EndsADecodeThatHangs) {
-  config_.decode_seconds = 4;  // which the healthy file below has, too, on a busy machine
+  config_.decode_seconds = 4;
   start_with_hostile_decoder();
   const v1::MeshRequest ball = mesh_of(ball_file(8));
   const grpc::Status status = expect_reason(mesh(ball, "hang"), "DECODER_TIMEOUT");
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(status.error_message(), HasSubstr("longer than 4 s"));
-  EXPECT_TRUE(mesh(ball).ok());
+  // On a busy machine that may be too short for a healthy file, too.
+  grpc::Status healthy;
+  EXPECT_TRUE(eventually([&] {
+    healthy = mesh(ball);
+    return reason_of(healthy) != "tetstream/DECODER_TIMEOUT";
+  }));
+  EXPECT_TRUE(healthy.ok()) << healthy.error_message();
 }
 
 TEST_F(DecodingTest, EndsADecodeThatNobodyWaitsFor) {
@@ -85,15 +106,8 @@ TEST_F(DecodingTest, EndsADecodeThatNobodyWaitsFor) {
   start_with_hostile_decoder();
   v1::MeshRequest hang = mesh_of(ball_file(8));
   hang.set_grid_name("hang");
-  grpc::ClientContext context;
-  const auto reader = meshes_->StreamMesh(&context, stream_of(hang));
-  const pid_t hanging = hanging_decoder(config_.decoder);
-  ASSERT_NE(hanging, 0);
-  context.TryCancel();
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
-  EXPECT_TRUE(eventually([&] { return has_ended(hanging); }));
-  EXPECT_LT(std::chrono::steady_clock::now() - start, kTimeLimit) << "else the limit ended it";
+  // Where a thread stands still for as long as the limit, that ends it: once is enough.
+  EXPECT_TRUE(eventually([&] { return ends_with_its_call(hang) || HasFailure(); }));
   EXPECT_TRUE(mesh(mesh_of(ball_file(9))).ok());  // by the same, only process
 }
 

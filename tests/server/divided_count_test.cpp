@@ -29,12 +29,16 @@ class DividedCountTest : public testing::Test {
     return plans;
   }
 
-  /// The stored files of chunks and of blocks of surveys.
+  /// The stored files of chunks and of blocks of surveys; not what was still being written by
+  /// whoever was killed.
   std::vector<fs::path> stored_files() const {
     std::vector<fs::path> files;
     for (const auto& file : fs::recursive_directory_iterator(
              server_.folder.file("store/results/default/meshes"))) {
-      if (file.is_regular_file() && file.file_size() > 1000) files.push_back(file.path());
+      const bool whole = file.path().extension() != ".part";
+      if (whole && file.is_regular_file() && file.file_size() > 1000) {
+        files.push_back(file.path());
+      }
     }
     return files;
   }

@@ -13,6 +13,7 @@
 #include "tests/server/job_server.h"
 #include "tests/server/open_upload.h"
 #include "tests/server/reason_of.h"
+#include "tests/server/until_healthy.h"
 #include "tests/support/eventually.h"
 
 namespace tet::test {
@@ -204,9 +205,11 @@ class ExtremeNumbers : public testing::Test {
   void expect_answer(const std::string& method,
                      const Message& request,
                      const std::string& what) {
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + kGenerousEnd);
-    const grpc::Status status = methods_.at(method).call(context, request);
+    const grpc::Status status = asked_until_healthy([&] {
+      grpc::ClientContext context;
+      context.set_deadline(std::chrono::system_clock::now() + kGenerousEnd);
+      return methods_.at(method).call(context, request);
+    });
     ++answers_[status.error_code()];
     EXPECT_THAT(
         status.error_code(),

@@ -166,7 +166,7 @@ TEST_F(GridServiceTest, TellsTheLabelsOfASegmentation) {
 /// Files that are in the store before the server starts, of zeros that take no disk.
 class LargeFilesTest : public ServiceTest {
  protected:
-  static constexpr std::uint64_t kLarge = std::uint64_t{64} << 30;  // a minute of digesting
+  static constexpr std::uint64_t kLarge = std::uint64_t{1} << 40;  // many minutes of digesting
 
   LargeFilesTest() { config_.store_bytes = config_.max_client_upload_bytes = 16 * kLarge; }
 

@@ -15,6 +15,7 @@
 #include "tests/server/port_file.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
+#include "tests/server/until_healthy.h"
 #include "tests/support/vdb_fixtures.h"
 #include "tetstream/v1/grids.grpc.pb.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
@@ -80,16 +81,19 @@ class JobServer {
   }
 
   /// With as many attempts as may be, unless the job says how many: a worker that gets no
-  /// processor for a second loses its leases, and is not to blame.
+  /// processor for a second loses its leases, and is not to blame. Asks again where the server
+  /// says that its disk has not answered for seconds, as our client does.
   v1::Job create(const v1::Job& job, const std::string& request_id = "") {
-    grpc::ClientContext context;
-    authorize(context);
     v1::CreateJobRequest request;
     *request.mutable_job() = job;
     if (!job.has_max_attempts()) request.mutable_job()->set_max_attempts(kMostAttempts);
     request.set_request_id(request_id);
     v1::Job created;
-    status = jobs->CreateJob(&context, request, &created);
+    status = asked_until_healthy([&] {
+      grpc::ClientContext context;
+      authorize(context);
+      return jobs->CreateJob(&context, request, &created);
+    });
     return created;
   }
 

@@ -9,6 +9,7 @@
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 #include "tests/server/token_book.h"
+#include "tests/server/until_healthy.h"
 #include "tetstream/v1/jobs.grpc.pb.h"
 
 namespace tet::test {
@@ -162,9 +163,11 @@ grpc::Status call_as(const std::string& name,
                                                                   Response*),
                      const Request& request,
                      Response& response) {
-  grpc::ClientContext context;
-  context.AddMetadata("authorization", "Bearer secret-of-" + name);
-  return (jobs.*method)(&context, request, &response);
+  return asked_until_healthy([&] {
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer secret-of-" + name);
+    return (jobs.*method)(&context, request, &response);
+  });
 }
 
 TEST_F(NamespacesTest, SeeOnlyTheirOwnJobs) {

@@ -57,8 +57,9 @@ class Program {
   std::string err() const { return read_text(err_); }
 
  private:
+  /// To its end: a server and its workers may have one file.
   static void redirect(const std::string& path, int to) {
-    ::dup2(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), to);
+    ::dup2(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0600), to);
   }
 
   std::string out_, err_;

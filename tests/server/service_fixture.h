@@ -101,6 +101,12 @@ class ServiceTest : public testing::Test {
     return request;
   }
 
+  /// Whether a server comes to say that it serves: it does not while its store or a decoder
+  /// has not answered for seconds, which a busy machine brings about.
+  bool comes_to_serve(MeshClient& client, const std::string& service = "readiness") const {
+    return eventually([&] { return client.check_health(service, never_).ok(); });
+  }
+
   const Activity& activity() const { return server_->engine().activity; }
 
   /// Whether an upload to `name` comes to be under way: admitted, and its file begun.

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,7 +16,9 @@
 #include "proto/wire/side_messages.h"
 #include "server/shared_memory/side_connection.h"
 #include "server/streams/mesh_engine.h"
+#include "tests/server/passing_time.h"
 #include "tests/server/plain_channel.h"
+#include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"
 
 namespace tet::test {
@@ -53,6 +56,18 @@ class SharedMemoryTest : public ServiceTest {
     }
   }
 
+  /// Why a call is ended that `attempt` makes, and for which it then lets time pass. What gRPC
+  /// has not yet said is written has waited as long, and is given up without any details: then
+  /// nothing was tried, and another attempt is made.
+  std::string reason_when_stalled(const std::function<grpc::Status()>& attempt) const {
+    grpc::Status status;
+    eventually([&] {
+      status = attempt();
+      return status.ok() || HasFailure() || !status.error_details().empty();
+    });
+    return reason_of(status);
+  }
+
   std::int64_t shared_streams() const { return activity().shared_streams.load(); }
   const MeshEngine& engine() const { return server_->engine(); }
   std::uint64_t kept_bytes() const { return engine().kept_memory.bytes(); }
@@ -69,7 +84,8 @@ class WilfulClient {
       : side_(std::move(side)),
         meshes_(v1::MeshService::NewStub(plain_channel("unix:" + socket))) {
     Descriptor none;
-    EXPECT_TRUE(await_packet(side_, std::as_writable_bytes(std::span(token_)), 10s, none));
+    EXPECT_TRUE(
+        await_packet(side_, std::as_writable_bytes(std::span(token_)), kGenerousEnd, none));
   }
 
   const std::string& token() const { return token_; }
@@ -92,7 +108,7 @@ class WilfulClient {
   Descriptor take_memory() const {
     SideMessage size{};
     Descriptor memory;
-    EXPECT_TRUE(await_packet(side_, size, 10s, memory));
+    EXPECT_TRUE(await_packet(side_, size, kGenerousEnd, memory));
     return memory;
   }
 
@@ -104,6 +120,13 @@ class WilfulClient {
     return false;
   }
   const v1::MeshChunk& chunk() const { return event_.chunk(); }
+  /// Reads on to the trailer; false where the stream ends before.
+  bool read_trailer() {
+    while (reader_->Read(&event_)) {
+      if (event_.has_trailer()) return true;
+    }
+    return false;
+  }
   bool say(std::uint64_t index) const { return send_packet(side_, side_message(index)); }
 
   /// Acknowledges all that comes from chunk `index` on, as far as the end.

@@ -176,17 +176,18 @@ TEST_F(SharedMemoryTest, HasABlockForEachChunkThatIsNotAcknowledged) {
 }
 
 TEST_F(SharedMemoryTest, WhoeverAcknowledgesNothingIsStalled) {
-  config_.stall_seconds = 1;
   start();
   const v1::MeshRequest request = uniform_ball(40);
-  WilfulClient client(socket_);
-  client.begin(stream_of(request), client.token());
-  ASSERT_TRUE(client.has_ring());
-  std::size_t chunks = 0;
-  while (client.read_chunk()) ++chunks;
-  EXPECT_GE(chunks, 1u);
-  EXPECT_LE(chunks, kRingBlocks);
-  EXPECT_EQ(reason_of(client.finish()), "tetstream/CLIENT_STALLED");
+  const std::string reason = reason_when_stalled([&] {
+    WilfulClient client(socket_);
+    client.begin(stream_of(request), client.token());
+    EXPECT_TRUE(client.has_ring());
+    for (std::uint64_t i = 0; i < kRingBlocks; ++i) EXPECT_TRUE(client.read_chunk());
+    const PassingTime passing(*server_, config_.stall_seconds);
+    EXPECT_FALSE(client.read_chunk()) << "there is no block for it";
+    return client.finish();
+  });
+  EXPECT_EQ(reason, "tetstream/CLIENT_STALLED");
   EXPECT_TRUE(received(*local(), request).shared_memory);
   EXPECT_TRUE(work_stops());
 }
@@ -267,17 +268,19 @@ TEST_F(SharedMemoryTest, FilesThatAClientPassesBackAreClosed) {
 
 TEST_F(SharedMemoryTest, WhoeverHoldsManyConnectionsGetsNoMoreAndOthersGoOn) {
   start();
+  // Stored before: whoever claims no connection for a minute has it no longer.
+  const v1::MeshRequest request = uniform_ball(20);
   std::vector<Descriptor> held;
   for (std::size_t i = 0; i < SharedMemoryPort::kMostUnclaimedOfUser; ++i) {
     held.push_back(connect_for_packets(socket_ + kSideSocketEnding));
     std::array<std::byte, SideConnection::kTokenBytes> token{};
     Descriptor none;
-    ASSERT_TRUE(await_packet(held.back(), token, 10s, none));
+    ASSERT_TRUE(await_packet(held.back(), token, kGenerousEnd, none));
   }
-  const StreamedMesh mesh = received(*local(), uniform_ball(20));
+  const StreamedMesh mesh = received(*local(), request);
   EXPECT_FALSE(mesh.shared_memory);
   held.clear();
-  EXPECT_TRUE(eventually([&] { return received(*local(), uniform_ball(20)).shared_memory; }));
+  EXPECT_TRUE(eventually([&] { return received(*local(), request).shared_memory; }));
 }
 
 }  // namespace

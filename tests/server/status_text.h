@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,6 +64,11 @@ inline std::string without_digests(std::string text) {
     }
   }
   return text;
+}
+
+/// With `{n}` in place of how many seconds something took, or was waited for.
+inline std::string without_seconds(const std::string& text) {
+  return std::regex_replace(text, std::regex("for [0-9]+ s\\b"), "for {n} s");
 }
 
 }  // namespace tet::test

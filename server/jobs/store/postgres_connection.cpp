@@ -25,12 +25,9 @@ constexpr Oid kText = 25;
 // was short would read all of a long one, unless it has to use an index.
 // Where one is read whole nevertheless, the price that keeps others from it looks as if the
 // query were worth compiling: that took most of the database's time.
-// A process that is paused or cut off in the middle of a transaction keeps its rows locked:
-// until the server ends the session, which must be before those who wait for them give up.
 constexpr char kSettings[] =
-    "SET lock_timeout = '10s'; SET idle_in_transaction_session_timeout = '3s'; "
-    "SET synchronous_commit = on; SET client_min_messages = warning; SET enable_seqscan = off; "
-    "SET jit = off; SET plan_cache_mode = force_generic_plan";
+    "SET lock_timeout = '10s'; SET synchronous_commit = on; SET client_min_messages = warning; "
+    "SET enable_seqscan = off; SET jit = off; SET plan_cache_mode = force_generic_plan";
 
 struct Clear {
   void operator()(PGresult* result) const { PQclear(result); }
@@ -118,7 +115,7 @@ bool is_in(const std::string& state, std::initializer_list<const char*> states) 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::open(
-    const std::string& connection) {
+    const std::string& connection, absl::Duration idle_in_transaction) {
   const char* const keys[] = {"dbname",
                               "connect_timeout",
                               "keepalives_idle",
@@ -136,7 +133,10 @@ absl::StatusOr<std::unique_ptr<PostgresConnection>> PostgresConnection::open(
   PQsetNoticeProcessor(
       opened->connection_.get(), [](void*, const char*) {}, nullptr);
   if (!opened->usable()) return opened->error(nullptr);
-  if (auto set = opened->run_script(kSettings); !set.ok()) return set.status();
+  const std::string settings =
+      absl::StrCat(kSettings, "; SET idle_in_transaction_session_timeout = ",
+                   absl::ToInt64Milliseconds(idle_in_transaction));
+  if (auto set = opened->run_script(settings); !set.ok()) return set.status();
   return opened;
 }
 

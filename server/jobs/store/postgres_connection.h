@@ -10,7 +10,9 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <absl/time/time.h>
 
+#include "server/jobs/store/idle_in_transaction.h"
 #include "server/jobs/store/sql.h"
 #include "server/jobs/store/statement_cache.h"
 
@@ -18,9 +20,10 @@ namespace tet {
 
 class PostgresConnection final : public SqlConnection {
  public:
-  /// Errors: kUnavailable.
+  /// A transaction in which nothing is asked for longer than `idle_in_transaction` is ended
+  /// with its connection. Errors: kUnavailable.
   static absl::StatusOr<std::unique_ptr<PostgresConnection>> open(
-      const std::string& connection);
+      const std::string& connection, absl::Duration idle_in_transaction = kIdleInTransaction);
 
   absl::StatusOr<SqlResult> run(std::string_view sql,
                                 std::span<const SqlValue> values) override;

@@ -17,6 +17,7 @@ class PostgresDatabase final : public SqlDatabase {
  public:
   explicit PostgresDatabase(const PostgresOptions& options)
       : address_(options.connection),
+        idle_in_transaction_(options.idle_in_transaction),
         partition_(options.partition),
         connections_(options.max_connections, [this] { return connect(); }),
         listener_(options.connection, options.poll) {}
@@ -47,6 +48,7 @@ class PostgresDatabase final : public SqlDatabase {
   absl::StatusOr<std::unique_ptr<SqlConnection>> connect();
 
   const std::string address_;
+  const absl::Duration idle_in_transaction_;
   const absl::Duration partition_;
   std::mutex schema_mutex_;
   bool is_up_to_date_ = false;
@@ -56,7 +58,7 @@ class PostgresDatabase final : public SqlDatabase {
 
 /// The first connection of all brings the schema up to date.
 absl::StatusOr<std::unique_ptr<SqlConnection>> PostgresDatabase::connect() {
-  auto connection = PostgresConnection::open(address_);
+  auto connection = PostgresConnection::open(address_, idle_in_transaction_);
   if (!connection.ok()) return connection.status();
   const std::lock_guard lock(schema_mutex_);
   if (!is_up_to_date_) {

@@ -7,6 +7,7 @@
 #include <absl/status/statusor.h>
 #include <absl/time/time.h>
 
+#include "server/jobs/store/idle_in_transaction.h"
 #include "server/jobs/store/sql_job_store.h"
 
 namespace tet {
@@ -18,6 +19,7 @@ struct PostgresOptions {
   int max_connections = 8;  ///< of this process, beside the one that listens
   /// How often to look for changes whether notified or not.
   absl::Duration poll = absl::Seconds(1);
+  absl::Duration idle_in_transaction = kIdleInTransaction;  ///< before it is ended
   /// Rows of jobs made in one such span share a partition, and go together.
   absl::Duration partition = absl::Hours(24);
   SqlJobStore::Options rules = {};

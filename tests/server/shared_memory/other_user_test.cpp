@@ -35,7 +35,7 @@ Descriptor connected_by_nobody(const std::string& path) {
   EXPECT_EQ(ended, 0);
   std::array<std::byte, 1> taken{};
   Descriptor passed;
-  EXPECT_TRUE(await_packet(ours, taken, 10s, passed));
+  EXPECT_TRUE(await_packet(ours, taken, kGenerousEnd, passed));
   return passed;
 }
 

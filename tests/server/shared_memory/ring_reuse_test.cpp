@@ -77,14 +77,17 @@ TEST_F(RingReuse, AStreamThatRunsHasItAlone) {
 }
 
 TEST_F(RingReuse, EndsOnlyOnceAllIsAcknowledged) {
-  config_.stall_seconds = 1;
   start();
-  WilfulClient client(socket_);
-  client.begin(stream_of(uniform_ball(12)), client.token());
-  ASSERT_TRUE(client.has_ring());
-  while (client.read_chunk()) {
-  }
-  EXPECT_EQ(reason_of(client.finish()), "tetstream/CLIENT_STALLED");
+  const v1::StreamMeshRequest request = stream_of(uniform_ball(12));
+  const std::string reason = reason_when_stalled([&] {
+    WilfulClient client(socket_);
+    client.begin(request, client.token());
+    EXPECT_TRUE(client.has_ring());
+    EXPECT_TRUE(client.read_trailer());
+    const PassingTime passing(*server_, config_.stall_seconds);
+    return client.finish();
+  });
+  EXPECT_EQ(reason, "tetstream/CLIENT_STALLED");
   EXPECT_TRUE(work_stops());
   EXPECT_EQ(kept_bytes(), 0u);
 }

@@ -16,8 +16,9 @@
 namespace tet::test {
 namespace {
 
-// Short, so that a killed worker's shards are soon somebody else's.
-constexpr absl::Duration kLease = absl::Milliseconds(300);
+// Short, so that a killed worker's shards are soon somebody else's, and longer than a commit
+// takes on a busy disk.
+constexpr absl::Duration kLease = absl::Seconds(1);
 constexpr absl::Duration kPause = absl::Milliseconds(20);
 constexpr int kPatience = 50;  // pauses
 

@@ -11,6 +11,7 @@
 
 #include "tests/server/job_server.h"
 #include "tests/server/reason_of.h"
+#include "tests/server/until_healthy.h"
 #include "tests/support/eventually.h"
 
 namespace tet::test {
@@ -67,10 +68,12 @@ class DamagedRows : public testing::Test {
                                                         Response*),
            Request request,
            const std::string& what) {
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + kGenerousEnd);
     Response response;
-    const grpc::Status status = (server_.jobs.get()->*method)(&context, request, &response);
+    const grpc::Status status = asked_until_healthy([&] {
+      grpc::ClientContext context;
+      context.set_deadline(std::chrono::system_clock::now() + kGenerousEnd);
+      return (server_.jobs.get()->*method)(&context, request, &response);
+    });
     EXPECT_THAT(
         status.error_code(),
         testing::Not(testing::AnyOf(StatusCode::UNAVAILABLE, StatusCode::UNKNOWN,

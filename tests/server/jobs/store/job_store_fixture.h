@@ -21,6 +21,9 @@
 
 namespace tet::test {
 
+/// One that does not end while a test's threads stand still.
+constexpr absl::Duration kLongLease = absl::Hours(1);
+
 inline void sleep(absl::Duration time) { absl::SleepFor(time); }
 
 /// Eight threads, as eight processes would, open a store that nobody opened before.
@@ -48,11 +51,11 @@ class JobStoreTest : public testing::TestWithParam<MakeHome> {
 
   std::vector<ShardLease> claim(std::int64_t most = 1,
                                 const std::string& worker = "w",
-                                absl::Duration lease = absl::Seconds(30)) {
+                                absl::Duration lease = kLongLease) {
     return store_->claim({worker, most, lease}).value();
   }
   /// The test fails unless there is one.
-  ShardLease claim_one(absl::Duration lease = absl::Seconds(30)) {
+  ShardLease claim_one(absl::Duration lease = kLongLease) {
     const auto leases = claim(1, "w", lease);
     EXPECT_EQ(leases.size(), 1U);
     return leases.empty() ? ShardLease{} : leases[0];

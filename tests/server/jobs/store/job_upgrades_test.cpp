@@ -15,7 +15,7 @@ Plan plan_by(const std::string& algorithm, std::int64_t shards) {
 }
 
 std::vector<ShardLease> claim_as(JobStore& store, const std::string& algorithm) {
-  return store.claim({"w", 10, absl::Seconds(30), algorithm}).value();
+  return store.claim({"w", 10, kLongLease, algorithm}).value();
 }
 
 void report(JobStore& store, const std::string& algorithm) {

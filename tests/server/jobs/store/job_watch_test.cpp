@@ -10,7 +10,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 /// Whoever waits this long was not woken.
-constexpr absl::Duration kNotWoken = absl::Minutes(1);
+const absl::Duration kNotWoken = absl::FromChrono(kGenerousEnd);
 
 std::vector<JobChange> changes_of(const EventPage& page) {
   std::vector<JobChange> changes;

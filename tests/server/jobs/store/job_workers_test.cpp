@@ -199,12 +199,11 @@ TEST_P(JobStoreTest, HeartbeatsKeepLeasesAndTellWhichAreLost) {
   create_planned(2);
   const auto leases = claim(2, "w", absl::Milliseconds(1));
   const std::vector<LeaseId> kept = {leases[1].id};
-  EXPECT_THAT(store_->heartbeat(kept, absl::Seconds(30)).value(),
-              ElementsAre(LeaseState::kHeld));
+  EXPECT_THAT(store_->heartbeat(kept, kLongLease).value(), ElementsAre(LeaseState::kHeld));
   sleep(absl::Milliseconds(5));
   EXPECT_EQ(store_->rescue().value(), 1);
   const std::vector<LeaseId> both = {leases[1].id, leases[0].id};
-  EXPECT_THAT(store_->heartbeat(both, absl::Seconds(30)).value(),
+  EXPECT_THAT(store_->heartbeat(both, kLongLease).value(),
               ElementsAre(LeaseState::kHeld, LeaseState::kLost));
 }
 

@@ -28,7 +28,9 @@ class PostgresHome final : public StoreHome {
   std::unique_ptr<JobStore> open(const SqlJobStore::Options& rules) const override {
     return open_with({.connection = connection(), .rules = rules});
   }
-  std::unique_ptr<JobStore> open_with(const PostgresOptions& options) const {
+  /// No transaction is ended because a thread of the test stands still in it.
+  std::unique_ptr<JobStore> open_with(PostgresOptions options) const {
+    options.idle_in_transaction = absl::Hours(1);
     auto store = open_postgres_job_store(options);
     EXPECT_TRUE(store.ok()) << store.status();
     return store.ok() ? *std::move(store) : nullptr;
