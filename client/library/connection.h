@@ -34,6 +34,10 @@ class Connection {
 
   Retries begin(const Cancellation& cancellation) const { return {retry_, cancellation}; }
 
+  /// Some server has answered, if only with the beginning of a stream: it is there, and calls
+  /// that it breaks off are taken up more often.
+  void answered() noexcept { known_.store(true, std::memory_order_relaxed); }
+
   /// OK where a call that failed at `failed` is worth another attempt, at the next server if
   /// that one cannot be reached; else why the call ends, as Retries::again has it.
   absl::Status again(Retries& retries,
@@ -56,7 +60,7 @@ class Connection {
       const auto status =
           attempt.result((stub.*method)(&attempt.context(), request, &response));
       if (status.ok()) {
-        known_.store(true);
+        answered();
         return response;
       }
       if (auto ended = again(retries, asked, status, 0); !ended.ok()) return ended;
@@ -70,7 +74,7 @@ class Connection {
   const RetryPolicy retry_;
   const std::vector<ServerChannel> servers_;
   std::atomic<std::size_t> turn_{0};
-  std::atomic<bool> known_{false};  ///< a call has succeeded
+  std::atomic<bool> known_{false};  ///< a server has answered
   SharedChunksPool shared_chunks_;
 };
 

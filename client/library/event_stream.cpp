@@ -44,7 +44,10 @@ absl::StatusOr<bool> EventStream::step() {
     absl::Status status;
     if (next(event)) {
       status = call_.take(event);
-      if (status.ok()) return true;
+      if (status.ok()) {
+        connection_.answered();
+        return true;
+      }
       attempt_->call.context().TryCancel();
     }
     const bool given_up = cancellation_.requested();

@@ -137,6 +137,7 @@ absl::Status JobClient::watch(const std::string& name,
     const std::int64_t before = request.after_revision();
     const auto begun = clock_();
     const WatchEnd end = watch_once(server, request, see, cancellation);
+    if (end.begun) connection_->answered();
     if (end.left || end.status.ok()) return absl::OkStatus();
     // An idle watch is cut off now and then by whatever is in between: such ends do not add up.
     const bool lasted = clock_() - begun >= kServedFor;

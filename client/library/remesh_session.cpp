@@ -62,7 +62,10 @@ absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
         new RemeshSession(connection, asked, cancellation, ids));
     session->shared_->ask(message, session->shared_memory_path_, cancellation);
     const absl::Status begun = session->exchange(message);
-    if (begun.ok()) return session;
+    if (begun.ok()) {
+      connection->answered();
+      return session;
+    }
     session.reset();
     if (auto ended = connection->again(retries, asked, begun, 0); !ended.ok()) return ended;
   }

@@ -157,6 +157,7 @@ absl::StatusOr<PointSamples> sample_there(Connection& connection,
   for (Retries retries = connection.begin(cancellation);;) {
     const ServerChannel& asked = connection.server();
     const absl::Status status = sample_once(asked, request, reader, tell, cancellation);
+    if (status.ok() || reader.answered() > 0) connection.answered();
     if (status.ok()) return std::move(reader.samples());
     if (auto ended = connection.again(retries, asked, status, reader.answered()); !ended.ok())
       return ended;

@@ -60,6 +60,24 @@ TEST_F(FollowJobsTest, GiveUpAServerThatHangsBehindAProxyHoweverLongThatWaits) {
   EXPECT_EQ(jobs_.watches(), kThrice.attempts);
 }
 
+TEST_F(FollowJobsTest, TakeUpAWatchMoreOftenOnceItsServerHasAnswered) {
+  jobs_.watch = [](int, const PlayedJobs::Tell&) { return absl::UnavailableError("gone"); };
+  RetryPolicy policy = kThrice;
+  policy.attempts_once_known = 5;
+  JobClient client(jobs_.connect(policy),
+                   [] { return std::chrono::steady_clock::time_point{}; });
+  const auto attempts = [&](bool answers) {
+    jobs_.begins_watches = answers;
+    const int before = jobs_.watches();
+    const absl::Status ended = client.watch(
+        "", 0, [](const v1::JobEvent&) { return true; }, never_);
+    EXPECT_TRUE(absl::IsUnavailable(ended)) << ended;
+    return jobs_.watches() - before;
+  };
+  EXPECT_EQ(attempts(/*answers=*/false), 3);
+  EXPECT_EQ(attempts(/*answers=*/true), 5);
+}
+
 TEST_F(FollowJobsTest, TellOfAJobThatWasDeletedBeforeItWasReadByItsName) {
   jobs_.get = [](int call, const std::string& name, v1::Job& job) {
     if (call > 1) return with_reason(absl::NotFoundError("no such job"), "JOB_NOT_FOUND");

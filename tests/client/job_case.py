@@ -23,10 +23,10 @@ class JobTest(ServerTest):
         return self.tetstream("job", command, *arguments, "--server", self.address,
                               env=self.environment, **options)
 
-    def start_job_command(self, command, *arguments, stdout=subprocess.PIPE):
+    def start_job_command(self, command, *arguments, server=None, stdout=subprocess.PIPE):
         return subprocess.Popen(
             [binaries() / "tetstream", "job", command, *map(str, arguments),
-             "--server", self.address],
+             "--server", server or self.address],
             stdout=stdout, stderr=subprocess.PIPE, text=True, env=self.environment)
 
     def objects(self, result):

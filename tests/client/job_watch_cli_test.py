@@ -6,11 +6,37 @@
 import contextlib
 import json
 import signal
+import socket
 import sqlite3
+import threading
+import time
 import unittest
 
 from command_case import GENEROUS_END, REFUSED
+from cutting_link import CuttingLink
 from job_case import JobTest
+
+
+class PatientLink(CuttingLink):
+    """Whoever comes while the server is away waits for it: how long it takes to be back is no matter of attempts."""
+
+    def accept(self):
+        while True:
+            try:
+                client, _ = self.listener.accept()
+            except OSError:
+                return
+            server = self.reach()
+            self.from_server.append(0)
+            threading.Thread(target=self.up, args=(client, server), daemon=True).start()
+            threading.Thread(target=self.down, args=(server, client, -1, None), daemon=True).start()
+
+    def reach(self):
+        while True:
+            try:
+                return socket.create_connection(self.target)
+            except ConnectionRefusedError:
+                time.sleep(0.05)
 
 
 class JobWatch(JobTest):
@@ -19,10 +45,15 @@ class JobWatch(JobTest):
     def forget_what_was(self):
         """What a purge leaves where other jobs were old: all revisions so far are of no use to who watches all."""
         self.list()  # which gives all changes their revisions
-        with sqlite3.connect(self.inputs / "store" / "jobs.sqlite") as jobs:
+        with sqlite3.connect(self.inputs / "store" / "jobs.sqlite", timeout=GENEROUS_END) as jobs:
             jobs.execute("UPDATE counters SET value = (SELECT value FROM counters WHERE name = 'revision')"
                          " WHERE name = 'compacted'")
         jobs.close()
+
+    def start_patient_watch(self, *arguments):
+        link = PatientLink(self.address)
+        self.addCleanup(link.close)
+        return self.start_job_command("watch", *arguments, "--json", server=link.address)
 
     def test_several_jobs_are_watched_though_changes_of_others_were_purged(self):
         ball = self.inputs / "sphere.vdb"
@@ -61,7 +92,7 @@ class JobWatch(JobTest):
 
     def test_one_that_was_over_may_be_gone(self):
         over, other = (self.submit(self.inputs / "sphere.vdb")[0] for _ in range(2))
-        process = self.start_job_command("watch", over, other, "--json")
+        process = self.start_patient_watch(over, other)
         self.objects(self.job("cancel", over, "--json"))
         told = [json.loads(process.stdout.readline()) for _ in range(3)]
         self.assertEqual((told[-1]["name"], told[-1]["change"]), (over, "FINISHED"))
@@ -80,7 +111,7 @@ class JobWatch(JobTest):
         self.assertEqual([json.loads(line)["name"] for line in rest.splitlines()], [other])
 
     def test_goes_on_when_the_server_is_killed(self):
-        process = self.start_job_command("watch", "--after", "0", "--json")
+        process = self.start_patient_watch("--after", "0")
 
         def told_until(name, change):
             told = []

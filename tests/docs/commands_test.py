@@ -14,7 +14,7 @@ import unittest
 
 import numpy
 
-from command_case import ServerTest, binaries, unused_port
+from command_case import GENEROUS_END, ServerTest, binaries, unused_port
 from image_files import ellipsoid, nifti, nrrd, oblique
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -113,11 +113,10 @@ class Commands(ServerTest):
         command = re.sub(r"--http-listen \S+", "--http-listen 127.0.0.1:0", command)
         if starts_server:  # it stays until it is stopped: here it begins, and stops at once
             command += f"""
-                tries=0
-                until tetstream health --server {address}; do ((++tries < 200)); sleep 0.05; done
+                until tetstream health --server {address}; do kill -0 $!; sleep 0.05; done
                 kill $!; wait $!"""
         return subprocess.run(["bash", "-ec", command], cwd=self.out, env=self.environment,
-                              capture_output=True, text=True, timeout=120, check=False)
+                              capture_output=True, text=True, timeout=GENEROUS_END, check=False)
 
     def check_page(self, page):
         for command in commands_of(page.read_text(encoding="utf-8")):

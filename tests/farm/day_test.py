@@ -302,9 +302,10 @@ class Day:
 
     def temporary(self):
         """Files that are not whole yet, of the store and of the system's folder for them."""
-        unfinished = [*self.store.glob("uploads/*"), *self.store.rglob("*.tmp*"),
-                      *(self.folder / "tmp").iterdir()]
-        return len(unfinished)
+        unfinished = [*self.store.glob("uploads/*"), *(self.folder / "tmp").iterdir()]
+        # A walk that minds no folder that goes meanwhile, as that of a result does.
+        stored = (name for _, folders, files in os.walk(self.store) for name in (*folders, *files))
+        return len(unfinished) + sum(".tmp" in name for name in stored)
 
     def rest(self):
         """What stays, once nothing goes on."""

@@ -15,9 +15,9 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 
 from postgres import Postgres  # noqa: E402
-from running_server import RunningServer, RunningWorker, binaries, wait_until  # noqa: E402
+from running_server import GENEROUS_END, RunningServer, RunningWorker, binaries, wait_until  # noqa: E402
 
-__all__ = ["Farm", "FarmTest", "Lease", "Postgres", "RunningServer", "RunningWorker", "binaries",
+__all__ = ["Farm", "FarmTest", "Lease", "GENEROUS_END", "Postgres", "RunningServer", "RunningWorker", "binaries",
            "main", "wait_until"]
 
 LEASE_SECONDS = 1
@@ -62,7 +62,7 @@ class Farm:
 
     def tetstream(self, *arguments):
         return subprocess.run([*self.launch, binaries() / "tetstream", *map(str, arguments)],
-                              capture_output=True, text=True, timeout=300, check=False)
+                              capture_output=True, text=True, timeout=2 * GENEROUS_END, check=False)
 
     def job(self, command, *arguments):
         return self.tetstream("job", command, *arguments, "--server", self.server.address)
@@ -119,17 +119,15 @@ class FarmTest(unittest.TestCase):
             self.assertIn(said.returncode, (0, 3), said.stderr)
             return said.stdout if said.returncode == 0 else None
 
-        return json.loads(wait_until(acknowledged, 60).splitlines()[0])["name"].removeprefix("jobs/")
+        return json.loads(wait_until(acknowledged).splitlines()[0])["name"].removeprefix("jobs/")
 
     def assert_done(self, farm, jobs):
-        """{id: grid}: they succeed within a minute, each shard committed once, with the right bytes."""
-        deadline = time.monotonic() + 60
-
+        """{id: grid}: they succeed, each shard committed once, with the right bytes."""
         def finished():
-            said = farm.job("wait", *jobs, "--patience", f"{max(1, deadline - time.monotonic()):.0f}s")
+            said = farm.job("wait", *jobs, "--patience", f"{GENEROUS_END:.0f}s")
             return said if said.returncode != 3 else None
 
-        said = wait_until(finished, 60)
+        said = wait_until(finished)
         self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
         listed = ", ".join(f"'{job}'" for job in jobs)
         self.assertEqual(farm.postgres.rows(

@@ -9,7 +9,7 @@ import os
 import subprocess
 import time
 
-from farm_case import LEASE_SECONDS, FarmTest, main, wait_until
+from farm_case import FarmTest, main, wait_until
 
 WORKERS = 4
 
@@ -83,7 +83,7 @@ class Hosts(FarmTest):
         jobs = {}
         for grid in self.grids:
             jobs[self.submit(self.farm, grid)] = grid
-        wait_until(lambda: self.farm.leases(worker), 60)
+        wait_until(lambda: self.farm.leases(worker))
         time.sleep(self.chance.uniform(0, 0.1))
         return jobs
 
@@ -106,7 +106,7 @@ class Hosts(FarmTest):
             self.network.cut_off(host)
             held = self.farm.leases(worker)
             began = time.monotonic()
-            wait_until(lambda cut=worker: not self.farm.leases(cut), LEASE_SECONDS + 30)
+            wait_until(lambda cut=worker: not self.farm.leases(cut))
             lost = held - self.farm.committed()
             # It may be back in the middle of the others' work, or after it.
             if self.chance.random() < 0.5:
@@ -115,7 +115,7 @@ class Hosts(FarmTest):
             self.assert_done(self.farm, jobs)
             print(f"{host} cut off over {len(lost)} shards; all done {time.monotonic() - began:.1f} s later",
                   flush=True)
-            wait_until(lambda back=worker, count=len(lost): len(back.log("shard_lost")) >= count, 60)
+            wait_until(lambda back=worker, count=len(lost): len(back.log("shard_lost")) >= count)
             self.assertEqual(lost & self.farm.committed(), set())
             self.assert_works_again(worker)
             taken += len(lost)
@@ -130,7 +130,7 @@ class Hosts(FarmTest):
             return self.farm.leases(worker)
 
         self.jobs = {}
-        wait_until(leased, 60)
+        wait_until(leased)
         self.assert_done(self.farm, self.jobs)
 
 

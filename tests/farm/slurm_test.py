@@ -10,7 +10,7 @@ import signal
 import socket
 import subprocess
 
-from farm_case import LEASE_SECONDS, FarmTest, binaries, main, wait_until
+from farm_case import GENEROUS_END, LEASE_SECONDS, FarmTest, binaries, main, wait_until
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "slurm" / "tetstream-workers.sbatch"
 
@@ -72,7 +72,7 @@ class Cluster:
             self._start("slurmctld", "-D")
             for node in ("node1", "node2"):
                 self._start("slurmd", "-D", "-N", node)
-            wait_until(lambda: self("sinfo", "-h", "-o", "%D %T").strip() == "2 idle", 60)
+            wait_until(lambda: self("sinfo", "-h", "-o", "%D %T").strip() == "2 idle")
         except BaseException:
             self.close()
             raise
@@ -84,13 +84,13 @@ class Cluster:
                 start_new_session=True))
 
     def __call__(self, *command):
-        return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False,
+        return subprocess.run(command, capture_output=True, text=True, timeout=GENEROUS_END, check=False,
                               env=self.environment, cwd=self.folder).stdout
 
     def submit(self, environment, *options):
         """The id of an array of workers."""
         said = subprocess.run(["sbatch", "--parsable", *options, SCRIPT], capture_output=True, text=True,
-                              timeout=60, check=False, cwd=self.folder,
+                              timeout=GENEROUS_END, check=False, cwd=self.folder,
                               env={**self.environment, **environment})
         if said.returncode != 0:
             raise AssertionError(said.stderr)
@@ -143,7 +143,7 @@ class Slurm(FarmTest):
         array = self.submit_workers()
         try:
             self.assert_done(self.farm, jobs)
-            states = wait_until(lambda: self.ended(array), 60)
+            states = wait_until(lambda: self.ended(array))
         except AssertionError:
             print(self.cluster.logs())
             raise
@@ -154,11 +154,11 @@ class Slurm(FarmTest):
     def test_one_that_is_cancelled_gives_its_shards_back(self):
         jobs = {self.submit(self.farm, self.grid): self.grid for _ in range(4)}
         array = self.submit_workers(idle_seconds=30)
-        wait_until(lambda: self.farm.committed(), 60)
+        wait_until(lambda: self.farm.committed())
         self.cluster("scancel", f"{array}_1")
         self.assert_done(self.farm, jobs)
         stopped = self.cluster.folder / f"tetstream-{array}_1.log"
-        wait_until(lambda: '"stopped"' in stopped.read_text(), 30)
+        wait_until(lambda: '"stopped"' in stopped.read_text())
         self.cluster("scancel", array)
 
 

@@ -35,17 +35,10 @@ export function makeFixture(folder, kind, voxel) {
   return path;
 }
 
-function freePort() {
-  return new Promise((resolve) => {
-    const server = createServer();
-    server.listen(0, "127.0.0.1", () => {
-      const { port } = server.address();
-      server.close(() => resolve(port));
-    });
-  });
-}
-
-/** A tetstreamd with a page; `url` is where. */
+/**
+ * A tetstreamd with a page; `url` is where, which is elsewhere once it is started again: a HeldWire stays where it is. What a
+ * test does not take for long is not given up: the browser may not be run meanwhile.
+ */
 export class RunningServer {
   constructor(folder, options = []) {
     this.folder = folder;
@@ -53,14 +46,14 @@ export class RunningServer {
   }
 
   async start() {
-    this.port ??= await freePort();
     this.log = join(this.folder, "server.log");
     const log = openSync(this.log, "w");
     this.process = spawn(binary("tetstreamd"),
-      ["--listen", "127.0.0.1:0", "--http-listen", `127.0.0.1:${this.port}`, "--store", join(this.folder, "store"),
-       "--threads", "2", ...this.options], { stdio: ["ignore", "ignore", log] });
+      ["--listen", "127.0.0.1:0", "--http-listen", "127.0.0.1:0", "--store", join(this.folder, "store"), "--threads", "2",
+       "--stall-seconds", "3600", ...this.options], { stdio: ["ignore", "ignore", log] });
+    const { http } = await this.says("serving");
+    this.port = Number(http.split(":").pop());
     this.url = `http://127.0.0.1:${this.port}/`;
-    await this.says("serving");
     return this;
   }
 
@@ -90,6 +83,7 @@ export class RunningServer {
     const ended = new Promise((done) => this.process.once("exit", done));
     this.process.kill("SIGKILL");
     await ended;
+    this.port = undefined;  // which anybody's server may have from now on
   }
 }
 
@@ -99,7 +93,8 @@ export class HeldWire {
   left = Infinity;
 
   async start(server) {
-    this.listener = createServer((asked) => this.join(asked, connect(server.port, "127.0.0.1")));
+    this.listener = createServer((asked) =>
+      server.port ? this.join(asked, connect(server.port, "127.0.0.1")) : asked.destroy());
     await new Promise((done) => this.listener.listen(0, "127.0.0.1", done));
     this.url = `http://127.0.0.1:${this.listener.address().port}/`;
     return this;

@@ -423,9 +423,10 @@ part("Lives", () => {
   });
 
   it("finds a server again that was killed", async () => {
-    const meshing = await held.browser.open(held.server.url);
+    const wire = await new HeldWire().start(held.server);
+    const meshing = await held.browser.open(wire.url);
     await chooseBall(meshing, held);
-    const page = await held.browser.open(held.server.url + "#jobs");
+    const page = await held.browser.open(wire.url + "#jobs");
     await until(page, () => document.getElementById("watch-state").textContent === "live");
     await held.server.kill();
     await until(page, () => /cannot be reached|broke/.test(document.getElementById("watch-state").textContent));
@@ -437,6 +438,7 @@ part("Lives", () => {
     await page.click('nav a[href="#server"]');
     await until(page, () => /Calls so far/.test(document.getElementById("server-info").textContent));
     assert.equal(await page.locator("#plots .uplot").count(), 9);
+    wire.close();
   });
 });
 

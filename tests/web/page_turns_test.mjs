@@ -12,8 +12,8 @@ const outsideOf = async (page) =>
   Number((await page.textContent("#quality")).match(/([\d,]+) triangles outside/)[1].replace(/,/g, ""));
 
 /**
- * In the page: keeps what the worker makes to be drawn, and notes the kinds of all that it tells. `deliverOne` gives the page
- * the first that is kept, and `deliver` all others and what comes from then on.
+ * In the page: keeps what the worker makes to be drawn, and notes the kinds of all that it tells. `isKept` says
+ * whether there is any. `deliverOne` gives the page the first that is kept, and `deliver` all others and what comes from then on.
  */
 function gateSurfaces() {
   const kept = [];
@@ -28,6 +28,7 @@ function gateSurfaces() {
       };
     }
   };
+  window.isKept = () => kept.length > 0;
   window.deliverOne = () => kept.shift()();
   window.deliver = () => {
     isGated = false;
@@ -53,6 +54,7 @@ part("Turns", () => {
     await chooseBall(page, held);
     await page.click("#go");
     await hasCome(page, "StreamMesh");  // its trailer waits in the worker until its first surface is drawn
+    await until(page, () => window.isKept());  // the worker's next run begins by dropping what it had not made
     await setSpacing(page, -0.5);
     const estimated = (await page.textContent("#estimate")).match(/^[\d,]+ tets/)[0];
     wire.hold(2 ** 12);  // the header, and not all

@@ -24,7 +24,7 @@ from ._samples import Samples, rows_of
 from ._served_jobs import ServedJobs
 from ._session import Session
 from ._stable import StableSession
-from ._share import SharedStream
+from ._share import SharedStream, growing
 from ._stream import MeshStream
 from ._volume import Volume
 
@@ -260,13 +260,13 @@ class Client:
             face_regions=face_regions, coordinates=coordinates, fields=fields,
             labels=labels, merge=merge, background=background, background_label=background_label,
             label_names=label_names, smooth=smooth, label_sizes=label_sizes)
-        options = options_of(progress=progress, timeout=timeout, threads=threads, encoding=encoding,
-                             skip_cache=skip_cache)
+        options = options_of(progress=growing(progress) if progress and size > 1 else progress, timeout=timeout,
+                             threads=threads, encoding=encoding, skip_cache=skip_cache)
         backend = self._backend
         if size == 1 and rank == 0:
             return MeshStream(backend.stream(request, options))
         counted = backend.estimate(request, options_of(timeout=timeout, threads=threads))
-        shared = SharedStream(lambda first: backend.stream(request, options, first), counted, rank, size)
+        shared = SharedStream(lambda first, end: backend.stream(request, options, first, end), counted, rank, size)
         return MeshStream(shared, shared.share)
 
     def estimate(

@@ -8,8 +8,10 @@ from typing import Any
 
 from . import _tetstream
 from ._errors import FailedPreconditionError, StatusCode, invalid
+from ._request import Progress
 
-Open = Callable[[int], _tetstream.Stream]
+# The chunks from one on, to before another.
+Open = Callable[[int, int], _tetstream.Stream]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,17 +45,19 @@ class Share:
 class SharedStream:
     """Reads no more of a mesh's chunks than a rank's share lies in, and cuts them to it.
 
-    Where in a mesh a chunk lies is known when it has come: chunks are nearly of one size, so that the first is
-    guessed, and an earlier one taken where the share begins before it.
+    Where in a mesh a chunk lies is known when it has come: chunks are nearly of one size, so that the first and the last
+    are guessed, an earlier one taken where the share begins before, and more where it ends behind.
     """
 
-    def __init__(self, open_at: Open, counted: dict[str, Any], rank: int, size: int) -> None:
+    def __init__(self, open_range: Open, counted: dict[str, Any], rank: int, size: int) -> None:
         self.share = Share.of(int(counted["vertex_count"]), int(counted["tet_count"]), rank, size)
-        self._open_at = open_at
-        chunks = int(counted["chunk_count"])
-        self._margin = 1 + chunks // 50
-        self._first = max(0, chunks * rank // size - self._margin)
-        self._stream = open_at(self._first)
+        self._open = open_range
+        self._count = int(counted["chunk_count"])
+        self._margin = 1 + self._count // 50
+        self._first = max(0, self._count * rank // size - self._margin)
+        # An end keeps the server from making, and sending, what the share's last chunk would be followed by.
+        self._end = min(self._count, -(-self._count * (rank + 1) // size) + self._margin)
+        self._stream = open_range(self._first, self._end)
         self._ahead = self._find_begin()
         self._covered = (0, 0)  # vertices and tets of the mesh that lie before what comes next
 
@@ -84,7 +88,17 @@ class SharedStream:
         vertices, tets = self._covered
         if vertices >= self.share.end_vertex and tets >= self.share.end_tet:
             return None
-        return self._stream.next(alone=True)
+        chunk = self._stream.next(alone=True)
+        if chunk is None and self._end < self._count:
+            self._margin *= 2
+            self._begin(self._end, min(self._count, self._end + self._margin))
+            return self._stream.next(alone=True)
+        return chunk
+
+    def _begin(self, first: int, end: int) -> None:
+        self._stream.close()
+        self._first, self._end = first, end
+        self._stream = self._open(first, end)
 
     def _find_begin(self) -> tuple[Any, ...] | None:
         if self.share.vertex_count == 0 and self.share.tet_count == 0:
@@ -94,10 +108,8 @@ class SharedStream:
             if chunk is None or self._first == 0 or (
                     chunk[1] <= self.share.first_vertex and chunk[2] <= self.share.first_tet):
                 return chunk
-            self._stream.close()
             self._margin *= 2
-            self._first = max(0, self._first - self._margin)
-            self._stream = self._open_at(self._first)
+            self._begin(max(0, self._first - self._margin), self._end)
 
     def _cut(self, chunk: tuple[Any, ...]) -> tuple[Any, ...]:
         index, first_vertex, first_tet, points, tets, regions, rows, faces, face_tets, face_labels, labels = chunk
@@ -109,6 +121,18 @@ class SharedStream:
         return (index, first_vertex + vertices.start, first_tet + cells.start, points[vertices], tets[cells],
                 None if regions is None else regions[cells], None if rows is None else rows[vertices],
                 faces, face_tets, face_labels, None if labels is None else labels[cells])
+
+
+def growing(progress: Progress) -> Progress:
+    """`progress` as several streams tell it, each from 0 on, one behind the other: it is told no less than before."""
+    most = 0.0
+
+    def tell(fraction: float) -> None:
+        nonlocal most
+        most = max(most, fraction)
+        progress(most)
+
+    return tell
 
 
 def _run(first: int, count: int, begin: int, end: int) -> slice:

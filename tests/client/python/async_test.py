@@ -126,7 +126,7 @@ def test_jobs_and_sessions_are_awaited(address):
 def test_a_wait_that_is_cancelled_ends(address):
     async def work():
         client = ts.AsyncClient(address)
-        job = await client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.006))
+        job = await client.jobs.submit(ts.Request(ts.sphere(1), spacing=0.002))
         waiting = asyncio.create_task(client.jobs.wait(job))
         await client.jobs.get(job)
         waiting.cancel()

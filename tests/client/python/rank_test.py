@@ -5,6 +5,7 @@ import pytest
 
 import tetstream as ts
 from conftest import make_ball
+from tetstream._share import SharedStream
 
 COLUMNS = ("local_points", "tets", "regions", "_field_rows", "faces", "face_tets", "face_labels", "labels")
 
@@ -48,6 +49,53 @@ def test_a_rank_is_sent_little_more_than_its_share(server, client, large_ball):
 
     whole = sent()
     assert sent(rank=1, size=4) < whole / 4 + 6
+
+
+class Uneven:
+    """A stream of some chunks of a mesh, each of which is as many single tets as `SIZES` says, and nothing else."""
+
+    SIZES = [1] * 40 + [30, 1, 2] + [1] * 20 + [60] + [1] * 30
+
+    def __init__(self, first, end):
+        self.left = iter(range(first, end))
+
+    def next(self, alone):
+        index = next(self.left, None)
+        if index is None:
+            return None
+        begin = sum(self.SIZES[:index])
+        tets = np.arange(begin, begin + self.SIZES[index])
+        return (index, 0, begin, np.empty((0, 3)), tets, *[None] * 6)
+
+    def close(self):
+        self.left = iter(())
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 7, 50])
+def test_shares_are_whole_wherever_chunks_of_many_sizes_lie(size):
+    total = sum(Uneven.SIZES)
+    counted = {"vertex_count": 0, "tet_count": total, "chunk_count": len(Uneven.SIZES)}
+    shares = [SharedStream(Uneven, counted, rank, size) for rank in range(size)]
+    tets = [np.concatenate([chunk[4] for chunk in iter(share.next, None)]) for share in shares]
+    assert [len(one) for one in tets] == [share.share.tet_count for share in shares]
+    assert np.array_equal(np.concatenate(tets), np.arange(total))
+
+
+class Even(Uneven):
+    SIZES = [10] * 100
+
+
+def test_a_rank_asks_for_few_chunks_beside_its_share():
+    asked = []
+
+    def open_range(first, end):
+        asked.append((first, end))
+        return Even(first, end)
+
+    counted = {"vertex_count": 0, "tet_count": 1000, "chunk_count": 100}
+    for rank in range(4):
+        assert len(list(iter(SharedStream(open_range, counted, rank, 4).next, None))) == 25
+    assert all(25 * rank - 5 <= first and end <= 25 * rank + 30 for rank, (first, end) in enumerate(asked))
 
 
 def test_more_ranks_than_tets_leave_some_empty():

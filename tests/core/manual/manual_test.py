@@ -7,16 +7,21 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+
+from waiting import GENEROUS_END  # noqa: E402
 
 SECTIONS = {"tetstream": "1", "tetstream-load": "1", "tetstreamd": "8"}
 BIN = pathlib.Path(os.environ["TETSTREAM_BIN"]).resolve()
 
 
 def run(*command, **options):
-    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60,
-                          check=False, **options)
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True,
+                          timeout=GENEROUS_END, check=False, **options)
 
 
 class ManualTest(unittest.TestCase):
