@@ -6,13 +6,10 @@
 import contextlib
 import json
 import signal
-import socket
 import sqlite3
-import threading
-import time
 import unittest
 
-from command_case import GENEROUS_END, REFUSED
+from command_case import GENEROUS_END, REFUSED, wait_until
 from cutting_link import CuttingLink
 from job_case import JobTest
 
@@ -20,23 +17,8 @@ from job_case import JobTest
 class PatientLink(CuttingLink):
     """Whoever comes while the server is away waits for it: how long it takes to be back is no matter of attempts."""
 
-    def accept(self):
-        while True:
-            try:
-                client, _ = self.listener.accept()
-            except OSError:
-                return
-            server = self.reach()
-            self.from_server.append(0)
-            threading.Thread(target=self.up, args=(client, server), daemon=True).start()
-            threading.Thread(target=self.down, args=(server, client, -1, None), daemon=True).start()
-
     def reach(self):
-        while True:
-            try:
-                return socket.create_connection(self.target)
-            except ConnectionRefusedError:
-                time.sleep(0.05)
+        return wait_until(super().reach)
 
 
 class JobWatch(JobTest):

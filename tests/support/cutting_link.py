@@ -31,9 +31,8 @@ class CuttingLink:
                 client, _ = self.listener.accept()
             except OSError:
                 return
-            try:
-                server = socket.create_connection(self.target)
-            except OSError:
+            server = self.reach()
+            if server is None:
                 client.close()
                 continue
             limit = self.cuts.pop(0) if self.cuts else None
@@ -42,6 +41,13 @@ class CuttingLink:
             threading.Thread(target=self.up, args=(client, server), daemon=True).start()
             threading.Thread(
                 target=self.down, args=(server, client, index, limit), daemon=True).start()
+
+    def reach(self):
+        """A connection to the server; None where it is away."""
+        try:
+            return socket.create_connection(self.target)
+        except OSError:
+            return None
 
     @staticmethod
     def up(client, server):
