@@ -1,19 +1,17 @@
 // The program as an operator meets it.
 #include <algorithm>
 #include <chrono>
-#include <netinet/in.h>
 #include <sstream>
-#include <sys/socket.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "client/library/mesh_client.h"
-#include "core/base/posix/descriptor.h"
 #include "tests/server/port_file.h"
 #include "tests/server/program.h"
 #include "tests/server/test_folder.h"
+#include "tests/support/unused_port.h"
 #include "tests/support/vdb_fixtures.h"
 
 namespace tet::test {
@@ -22,28 +20,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 using namespace std::chrono_literals;
-
-/// A port that nobody but whoever is told of it gets while this lives, whether it is listened
-/// at or not: the system gives out no port that is bound.
-class HeldPort {
- public:
-  HeldPort() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    const int shared = 1;
-    EXPECT_EQ(::setsockopt(socket_.number(), SOL_SOCKET, SO_REUSEADDR, &shared, sizeof shared),
-              0);
-    socklen_t size = sizeof bound_;
-    bound_.sin_family = AF_INET;
-    bound_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    auto* const address = reinterpret_cast<sockaddr*>(&bound_);
-    EXPECT_EQ(::bind(socket_.number(), address, size), 0);
-    EXPECT_EQ(::getsockname(socket_.number(), address, &size), 0);
-  }
-  std::string address() const { return "127.0.0.1:" + std::to_string(ntohs(bound_.sin_port)); }
-
- private:
-  const Descriptor socket_;
-  sockaddr_in bound_{};
-};
 
 class TetstreamdTest : public testing::Test {
  protected:
@@ -165,7 +141,7 @@ TEST_F(TetstreamdTest, KeepsItsGridsOverASigtermAndARestart) {
 // Within four seconds: gRPC by itself looks every five. Servers in the client's own process
 // would look for it.
 TEST_F(TetstreamdTest, IsFoundAgainByAClientBeforeThatGivesUp) {
-  const HeldPort port;
+  const UnusedPort port;
   auto first = serve(port.address());
   const auto client = MeshClient::connect(address_, {.attempts = 20,
                                                      .attempts_once_known = 20,

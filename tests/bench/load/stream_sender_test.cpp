@@ -5,9 +5,7 @@
 #include <future>
 #include <memory>
 #include <mutex>
-#include <netinet/in.h>
 #include <string>
-#include <sys/socket.h>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -16,10 +14,10 @@
 #include <gtest/gtest.h>
 
 #include "bench/load/run_load.h"
-#include "core/base/posix/descriptor.h"
 #include "proto/wire/checksum.h"
 #include "tests/bench/load/stand_in.h"
 #include "tests/support/eventually.h"
+#include "tests/support/unused_port.h"
 #include "tetstream/v1/meshes.grpc.pb.h"
 
 namespace tet::load {
@@ -78,27 +76,6 @@ class TwoChunks final : public v1::MeshService::Service {
 
   std::once_flag first_call_;
   TimePoint stalled_until_{};
-};
-
-/// A port at which nobody listens, and that nobody else is given as long as this lives.
-class DeafPort {
- public:
-  DeafPort() {
-    sockaddr_in place{};
-    place.sin_family = AF_INET;
-    place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof place;
-    auto* const any = reinterpret_cast<sockaddr*>(&place);
-    EXPECT_EQ(::bind(socket_.number(), any, size), 0);
-    EXPECT_EQ(::getsockname(socket_.number(), any, &size), 0);
-    number_ = ntohs(place.sin_port);
-  }
-
-  std::string address() const { return "127.0.0.1:" + std::to_string(number_); }
-
- private:
-  const Descriptor socket_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-  int number_ = 0;
 };
 
 class StreamSenderTest : public testing::Test {
@@ -197,7 +174,7 @@ TEST_F(StreamSenderTest, WaitsForItsCallsBeforeItIsGone) {
 }
 
 TEST_F(StreamSenderTest, SaysWhenThereIsNoServer) {
-  const DeafPort port;
+  const tet::test::UnusedPort port;  // at which nobody listens
   settings_.address = port.address();
   settings_.patience = 100ms;
   const auto sender = open_stream_sender(settings_);
