@@ -54,7 +54,6 @@ class ExodusWriter {
         writer_(file, layout_.header.file_bytes(), control) {}
 
   absl::Status write() {
-    if (!writer_.goes_on()) return writer_.status();  // the faces may not have been found
     writer_.text(layout_.header.bytes());
     write_blocks();
     write_coordinates();

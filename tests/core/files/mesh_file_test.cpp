@@ -1,6 +1,7 @@
 #include "core/files/mesh_file.h"
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -134,7 +135,7 @@ TEST_F(MeshFileTest, StopsAtAnyLookAndLeavesNothing) {
   for (const std::string& ending : endings()) {
     absl::Status status = absl::CancelledError("");
     for (int stop_at = 1; !status.ok(); stop_at += 1 + stop_at / 4) {
-      int looks = 0;
+      std::atomic<int> looks = 0;
       const Cancellation cancellation(Cancellation::Clock::time_point::max(),
                                       [&] { return ++looks == stop_at; });
       const WriteControl control{.cancellation = &cancellation, .progress = {}};
