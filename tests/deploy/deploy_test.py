@@ -42,6 +42,7 @@ class DeployTest(unittest.TestCase):
         printed = run(tetstreamd(), "--print-config").stdout
         self.assertIn(f"\nlame_duck_seconds = {LAME_DUCK_SECONDS}\n", printed)
         self.assertIn(f"\ndrain_seconds = {DRAIN_SECONDS}\n", printed)
+        self.assertIn(f"\ngrace_seconds = {GRACE_SECONDS}\n", printed)
         self.assertGreater(seconds, LAME_DUCK_SECONDS + DRAIN_SECONDS + GRACE_SECONDS)
 
 

@@ -1,4 +1,4 @@
-// New jobs of a server whose disk is slow to answer.
+// Calls to a server whose disk is slow to answer.
 #pragma once
 
 #include <string>
