@@ -12,7 +12,7 @@
 #include "core/base/parallel.h"
 #include "core/field/find_bricks.h"
 #include "core/triangle_files/surface_file.h"
-#include "core/vdb/surface_to_volume.h"
+#include "core/vdb/openvdb/surface_to_volume.h"
 #include "core/volume/volume_builder.h"
 
 namespace tet::bench {

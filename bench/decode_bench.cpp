@@ -16,9 +16,9 @@
 
 #include "bench/checked.h"
 #include "core/base/parallel.h"
-#include "core/vdb/decode_file.h"
-#include "core/vdb/decoder_supply.h"
-#include "core/vdb/load.h"
+#include "core/vdb/decoder/decode_file.h"
+#include "core/vdb/decoder/decoder_supply.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/support/vdb_fixtures.h"
 
 namespace tet::bench {

@@ -6,7 +6,7 @@
 
 #include <openvdb/tools/VolumeToMesh.h>
 
-#include "core/vdb/vdb_grids.h"
+#include "core/vdb/openvdb/vdb_grids.h"
 
 namespace tet::bench {
 namespace {

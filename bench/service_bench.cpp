@@ -21,7 +21,7 @@
 #include "bench/raw_grpc.h"
 #include "core/plan/make/mesher.h"
 #include "core/plan/make/plan_mesh.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "proto/wire/sha256.h"
 #include "proto/wire/transport.h"
 #include "server/ops/logging.h"

@@ -12,7 +12,7 @@
 #include "bench/checked.h"
 #include "bench/loopback.h"
 #include "client/library/remesh_session.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "server/ops/logging.h"
 
 namespace tet::bench {

@@ -1,4 +1,4 @@
-# tet_openvdb: OpenVDB with what its headers need. Only core/vdb and its tests may link it.
+# tet_openvdb: OpenVDB with what its headers need. Only core/vdb/openvdb and its tests may link it.
 # Debian's own FindOpenVDB.cmake would look for PyImath and boost::iostreams, which nothing here
 # uses, and warn about each that is missing.
 find_package(TBB REQUIRED)

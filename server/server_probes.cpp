@@ -8,7 +8,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/base/posix/file.h"
-#include "core/vdb/find_decoder.h"
+#include "core/vdb/parts/find_decoder.h"
 #include "proto/convert/status.h"
 #include "server/grids/store_identity.h"
 

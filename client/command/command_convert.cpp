@@ -24,7 +24,7 @@
 #include "core/base/posix/folder.h"
 #include "core/base/printable.h"
 #include "core/image/place_array.h"
-#include "core/vdb/openvdb_part.h"
+#include "core/vdb/openvdb/openvdb_part.h"
 
 namespace tet {
 namespace {

@@ -10,7 +10,7 @@
 #include "client/command/surface_input.h"
 #include "client/command/volume_file.h"
 #include "client/library/api/temporary_folder.h"
-#include "core/vdb/openvdb_part.h"
+#include "core/vdb/openvdb/openvdb_part.h"
 #include "proto/wire/sha256.h"
 
 namespace tet {

@@ -20,7 +20,7 @@
 #include "core/plan/shape.h"
 #include "core/plan/thin_walls.h"
 #include "core/second_order/middle_nodes.h"
-#include "core/vdb/conversion_report.h"
+#include "core/vdb/plain/conversion_report.h"
 
 namespace tet {
 

@@ -12,7 +12,7 @@
 #include "client/library/read_grids.h"
 #include "core/base/parallel.h"
 #include "core/base/printable.h"
-#include "core/vdb/openvdb_part.h"
+#include "core/vdb/openvdb/openvdb_part.h"
 
 namespace tet {
 namespace {

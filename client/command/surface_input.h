@@ -7,8 +7,8 @@
 #include <absl/status/statusor.h>
 
 #include "core/surface/triangle_surface.h"
-#include "core/vdb/conversion_report.h"
-#include "core/vdb/surface_volume.h"
+#include "core/vdb/openvdb/surface_volume.h"
+#include "core/vdb/plain/conversion_report.h"
 
 namespace CLI {
 class App;

@@ -4,9 +4,9 @@
 
 #include "client/library/attached_image.h"
 #include "core/base/posix/check_file.h"
-#include "core/vdb/decode_file.h"
-#include "core/vdb/load_limits.h"
-#include "core/vdb/read_grid_file.h"
+#include "core/vdb/decoder/decode_file.h"
+#include "core/vdb/openvdb/read_grid_file.h"
+#include "core/vdb/plain/load_limits.h"
 
 namespace tet {
 namespace {

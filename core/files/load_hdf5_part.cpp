@@ -1,6 +1,6 @@
 // hdf5_part() where it is a module, which is looked for beside the decoder.
 #include "core/files/hdf5_part.h"
-#include "core/vdb/load_module.h"
+#include "core/vdb/parts/load_module.h"
 
 namespace tet {
 

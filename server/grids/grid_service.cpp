@@ -9,7 +9,7 @@
 #include <absl/time/clock.h>
 
 #include "core/base/printable.h"
-#include "core/vdb/decode_file.h"
+#include "core/vdb/decoder/decode_file.h"
 #include "proto/convert/grid_info_message.h"
 #include "proto/convert/request.h"
 #include "proto/convert/status.h"

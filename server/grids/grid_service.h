@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/base/parallel.h"
-#include "core/vdb/decoder_pool.h"
+#include "core/vdb/decoder/decoder_pool.h"
 #include "server/grids/grid_store.h"
 #include "server/rpc/calls.h"
 #include "server/rpc/fair_tasks.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/vdb/decode_file.h"
+#include "core/vdb/decoder/decode_file.h"
 #include "server/ops/guard.h"
 
 namespace tet {

@@ -7,7 +7,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/vdb/decoder_pool.h"
+#include "core/vdb/decoder/decoder_pool.h"
 #include "core/volume/grid_contents.h"
 #include "core/volume/grid_info.h"
 

@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/base/cancel.h"
-#include "core/vdb/decode_file.h"
+#include "core/vdb/decoder/decode_file.h"
 #include "proto/wire/sha256.h"
 #include "server/grids/verify.h"
 #include "server/ops/guard.h"

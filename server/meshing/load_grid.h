@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/vdb/decoder_pool.h"
+#include "core/vdb/decoder/decoder_pool.h"
 #include "server/grids/volume_cache.h"
 #include "server/meshing/large_plans.h"
 

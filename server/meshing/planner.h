@@ -16,7 +16,7 @@
 #include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_progress.h"
 #include "core/plan/surveyed_blocks.h"
-#include "core/vdb/decoder_pool.h"
+#include "core/vdb/decoder/decoder_pool.h"
 #include "proto/convert/request.h"
 #include "server/grids/grid_store.h"
 #include "server/grids/volume_cache.h"

@@ -6,7 +6,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/vdb/memory_charge.h"
+#include "core/vdb/walk/memory_charge.h"
 
 namespace tet {
 

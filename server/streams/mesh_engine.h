@@ -10,7 +10,7 @@
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
 #include "core/plan/mesh_workspace.h"
-#include "core/vdb/decoder_pool.h"
+#include "core/vdb/decoder/decoder_pool.h"
 #include "proto/wire/block_pool.h"
 #include "server/jobs/results/result_store.h"
 #include "server/meshing/chunk_maker.h"

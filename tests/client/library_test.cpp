@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/client/library_fixture.h"
 
 namespace tetstream {

@@ -13,7 +13,7 @@
 #include "client/library/mesh_receiver.h"
 #include "client/library/remesh_session.h"
 #include "core/plan/make/mesher.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "proto/wire/transport.h"
 #include "tests/client/cutting_proxy.h"
 #include "tests/server/service_fixture.h"

@@ -9,10 +9,10 @@
 
 #include "core/base/posix/descriptor.h"
 #include "core/base/posix/transfer.h"
-#include "core/vdb/memory_charge.h"
-#include "core/vdb/plain_choice.h"
-#include "core/vdb/plain_grid.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/plain/plain_grid.h"
+#include "core/vdb/walk/memory_charge.h"
+#include "core/vdb/walk/plain_choice.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tet::plain_grid_fuzz {

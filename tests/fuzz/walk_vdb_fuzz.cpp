@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/vdb/memory_charge.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/walk/memory_charge.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tet::walk_vdb_fuzz {

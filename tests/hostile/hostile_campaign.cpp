@@ -16,8 +16,8 @@
 #include <CLI/CLI.hpp>
 #include <absl/strings/str_cat.h>
 
-#include "core/vdb/load.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/openvdb/load.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "tests/hostile/campaign.h"
 #include "tests/hostile/seed_files.h"
 

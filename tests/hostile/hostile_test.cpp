@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/openvdb/load.h"
+#include "core/vdb/walk/walk_vdb.h"
 
 namespace tet {
 namespace {

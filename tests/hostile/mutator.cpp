@@ -7,7 +7,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "tests/hostile/mutations.h"
 
 namespace tet::test {

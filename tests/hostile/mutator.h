@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vdb/vdb_cursor.h"
+#include "core/vdb/walk/vdb_cursor.h"
 #include "tests/hostile/random_bits.h"
 
 namespace tet::test {

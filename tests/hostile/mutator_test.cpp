@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "tests/hostile/campaign.h"
 #include "tests/hostile/seed_files.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/posix/descriptor.h"
-#include "core/vdb/vdb_grids.h"
+#include "core/vdb/openvdb/vdb_grids.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"
 

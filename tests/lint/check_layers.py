@@ -9,7 +9,8 @@ import re
 import sys
 
 # A request passes through these in order; a folder includes itself and those before it.
-CORE = ["core/base", "core/surface", "core/triangle_files", "core/volume", "core/image", "core/vdb",
+CORE = ["core/base", "core/surface", "core/triangle_files", "core/volume", "core/image",
+        "core/vdb/walk", "core/vdb/plain", "core/vdb/parts", "core/vdb/openvdb", "core/vdb/decoder",
         "core/scene", "core/field", "core/octree", "core/lattice", "core/stuffing", "core/labels",
         "core/mesh", "core/graded", "core/plan", "core/plan/brick", "core/plan/labelled",
         "core/plan/whole", "core/plan/joined", "core/plan/make", "core/fidelity", "core/remap",
@@ -37,8 +38,11 @@ LAYERS = {**in_order(CORE, []), **in_order(PROTO, CORE), **in_order(SERVER, [*CO
 NETWORK = ["proto", "server", "client", "tests/proto", "tests/server", "tests/client",
            "tests/support", "tests/hostile", "tests/fuzz", "bench", "tests/bench"]
 LIBRARIES = {
-    "OpenVDB": (r"openvdb/", ["core/vdb", "tests/core/vdb", "tests/hostile", "tests/support",
+    "OpenVDB": (r"openvdb/", ["core/vdb/openvdb", "tests/core/vdb", "tests/hostile", "tests/support",
                              "bench"]),
+    "blosc": (r"blosc", ["core/vdb/plain"]),
+    "the system's loader": (r"dlfcn\.h$", ["core/vdb/parts", "tests/faults"]),
+    "seccomp": (r"seccomp", ["core/vdb/decoder"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
     "SSE": (r"[a-z]*mmintrin\.h$|simde/", ["core/base/sse.h"]),
@@ -56,7 +60,7 @@ FILE_CALLS = re.compile(
     r"|(?<![\w.>])(?:::)?(?:pread|pwrite|readv|writev|fsync|fdatasync|ftruncate|fallocate|flock|pipe2|"
     r"dup3)\s*\(")
 FILE_FOLDERS = ["core/base/posix"]
-SANDBOX = ["core/vdb/await_order.cpp", "core/vdb/sandbox.cpp", "core/vdb/spawn.cpp"]
+SANDBOX = ["core/vdb/decoder/await_order.cpp", "core/vdb/decoder/sandbox.cpp", "core/vdb/decoder/spawn.cpp"]
 
 # Files in the longest chain of includes of code that ships, the first one and the last one counted: whoever
 # changes a header at its end recompiles all of the chain, and whoever reads its beginning needs all of it.

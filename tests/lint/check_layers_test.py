@@ -22,8 +22,8 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(errors_of({
             "core/base/types.h": "#include <array>\n",
             "core/base/parallel.cpp": "#include <tbb/task_arena.h>\n",
-            "core/vdb/load.cpp": '#include <openvdb/io/File.h>\n#include "core/base/types.h"\n',
-            "core/plan/make/mesher.h": '#include "core/vdb/load.h"\n',
+            "core/vdb/openvdb/load.cpp": '#include <openvdb/io/File.h>\n#include "core/base/types.h"\n',
+            "core/plan/make/mesher.h": '#include "core/vdb/openvdb/load.h"\n',
             "server/service.h": '#include "core/plan/make/mesher.h"\n#include <grpcpp/grpcpp.h>\n',
             "tests/core/vdb/load_test.cpp": "#include <openvdb/openvdb.h>\n",
         }), [])

@@ -22,7 +22,7 @@ def reasons_in_sources(root):
     """{reason: file} of every literal in capitals."""
     found = {}
     for path in sorted([*(root / "server").rglob("*.cpp"), *(root / "proto").glob("convert/*.cpp"),
-                       *(root / "core").glob("vdb/*.cpp")]):
+                       *(root / "core" / "vdb").rglob("*.cpp")]):
         for text in LITERAL.findall(path.read_text(encoding="utf-8")):
             if not OTHER_TEXT.fullmatch(text):
                 found.setdefault(text, str(path.relative_to(root)))

@@ -15,7 +15,7 @@
 #include "client/library/mesh_receiver.h"
 #include "client/library/stable_chunks.h"
 #include "core/base/parallel.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "proto/wire/checksum.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/session_fixture.h"

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/plan/make/mesher.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "core/volume/replace_leaves.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/passing_time.h"

@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "server/ops/memory.h"
 #include "server/streams/call_charge.h"
 #include "tests/client/cutting_proxy.h"

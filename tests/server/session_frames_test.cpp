@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "client/library/error_details.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/passing_time.h"
 #include "tests/server/reason_of.h"

@@ -4,7 +4,7 @@
 
 #include "client/library/remesh_session.h"
 #include "core/plan/make/mesher.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/server/column_text.h"
 #include "tests/server/reason_of.h"
 #include "tests/server/service_fixture.h"

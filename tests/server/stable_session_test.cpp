@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.h"
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/session_fixture.h"
 

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/server/held_stream.h"
 #include "tests/server/service_fixture.h"
 

@@ -9,7 +9,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/walk/walk_vdb.h"
 
 namespace tet::test {
 namespace {

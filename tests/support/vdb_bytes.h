@@ -7,9 +7,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/vdb/vdb_cursor.h"
-#include "core/vdb/vdb_grids.h"
-#include "core/vdb/vdb_outline.h"
+#include "core/vdb/openvdb/vdb_grids.h"
+#include "core/vdb/walk/vdb_cursor.h"
+#include "core/vdb/walk/vdb_outline.h"
 
 namespace tet::test {
 

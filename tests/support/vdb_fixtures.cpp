@@ -11,7 +11,7 @@
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/tools/Prune.h>
 
-#include "core/vdb/vdb_grids.h"
+#include "core/vdb/openvdb/vdb_grids.h"
 
 namespace tet::test {
 namespace {

@@ -15,7 +15,7 @@
 #include "client/library/api/work.h"
 #include "client/library/read_grids.h"
 #include "core/triangle_files/surface_file.h"
-#include "core/vdb/openvdb_part.h"
+#include "core/vdb/openvdb/openvdb_part.h"
 
 namespace tetstream {
 namespace {

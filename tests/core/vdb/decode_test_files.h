@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/failure_name.h"
-#include "core/vdb/decode_file.h"
+#include "core/vdb/decoder/decode_file.h"
 #include "tests/support/eventually.h"
 #include "tests/support/test_directory.h"
 #include "tests/support/vdb_fixtures.h"

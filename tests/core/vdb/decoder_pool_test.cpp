@@ -1,4 +1,4 @@
-#include "core/vdb/decoder_pool.h"
+#include "core/vdb/decoder/decoder_pool.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "core/vdb/decoder.h"
+#include "core/vdb/decoder/decoder.h"
 
 #include <atomic>
 #include <chrono>
@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 #include "tests/core/vdb/decode_test_files.h"
 #include "tests/core/vdb/hanging_decoder.h"
 

@@ -1,4 +1,4 @@
-#include "core/vdb/grid_names.h"
+#include "core/vdb/walk/grid_names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "core/base/failure_name.h"
-#include "core/vdb/await_order.h"
-#include "core/vdb/decode_order.h"
-#include "core/vdb/decoder_protocol.h"
-#include "core/vdb/sandbox.h"
-#include "core/vdb/sealed_block.h"
+#include "core/vdb/decoder/await_order.h"
+#include "core/vdb/decoder/decode_order.h"
+#include "core/vdb/decoder/decoder_protocol.h"
+#include "core/vdb/decoder/sandbox.h"
+#include "core/vdb/decoder/sealed_block.h"
 #include "tests/core/vdb/hanging_decoder.h"
 
 namespace tet {

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
-#include "core/vdb/vdb_grids.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/openvdb/load.h"
+#include "core/vdb/openvdb/vdb_grids.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/vdb/vdb_test_files.h"
 

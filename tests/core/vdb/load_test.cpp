@@ -1,4 +1,4 @@
-#include "core/vdb/load.h"
+#include "core/vdb/openvdb/load.h"
 
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
 
-#include "core/vdb/vdb_grids.h"
+#include "core/vdb/openvdb/vdb_grids.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/vdb/vdb_test_files.h"
 #include "tests/support/vdb_fixtures.h"

@@ -1,5 +1,5 @@
 // What is read without OpenVDB is what OpenVDB reads, bit by bit.
-#include "core/vdb/plain_grid.h"
+#include "core/vdb/plain/plain_grid.h"
 
 #include <cmath>
 #include <cstring>
@@ -10,12 +10,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
-#include "core/vdb/plain_choice.h"
-#include "core/vdb/plain_tree.h"
-#include "core/vdb/read_grid_file.h"
-#include "core/vdb/unpack_chunk.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/openvdb/load.h"
+#include "core/vdb/openvdb/read_grid_file.h"
+#include "core/vdb/plain/plain_tree.h"
+#include "core/vdb/plain/unpack_chunk.h"
+#include "core/vdb/walk/plain_choice.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "core/volume/flat_grid_list.h"
 #include "core/volume/flat_volume.h"
 #include "tests/core/vdb/vdb_test_files.h"

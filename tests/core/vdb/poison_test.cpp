@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/vdb/decoder_supply.h"
+#include "core/vdb/decoder/decoder_supply.h"
 #include "tests/core/vdb/decode_test_files.h"
 #include "tests/support/eventually.h"
 

@@ -1,5 +1,5 @@
 // What a decoder can no longer do; not in builds with a sanitizer, which keep no sandbox.
-#include "core/vdb/sandbox.h"
+#include "core/vdb/decoder/sandbox.h"
 
 #include <atomic>
 #include <chrono>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/idle_threads.h"
+#include "core/vdb/decoder/idle_threads.h"
 #include "tests/core/vdb/decode_test_files.h"
 #include "tests/support/eventually.h"
 

@@ -1,4 +1,4 @@
-#include "core/vdb/sealed_block.h"
+#include "core/vdb/decoder/sealed_block.h"
 
 #include <cstring>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "core/vdb/surface_to_volume.h"
+#include "core/vdb/openvdb/surface_to_volume.h"
 
 #include <cmath>
 #include <csignal>
@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "core/triangle_files/surface_file.h"
-#include "core/vdb/load.h"
-#include "core/vdb/write_volume.h"
+#include "core/vdb/openvdb/load.h"
+#include "core/vdb/openvdb/write_volume.h"
 #include "core/volume/volume_reader.h"
 #include "tests/core/vdb/surface_trial.h"
 #include "tests/support/surfaces.h"

@@ -7,7 +7,7 @@
 
 #include <absl/strings/str_format.h>
 
-#include "core/vdb/surface_to_volume.h"
+#include "core/vdb/openvdb/surface_to_volume.h"
 #include "tests/support/random_surfaces.h"
 
 namespace tet::test {

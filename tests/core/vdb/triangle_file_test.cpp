@@ -1,5 +1,5 @@
 // Files of triangles in the place of grids: the decoder makes a solid of them, or says why not.
-#include "core/vdb/triangle_file.h"
+#include "core/vdb/walk/triangle_file.h"
 
 #include <fstream>
 #include <string>
@@ -10,7 +10,7 @@
 
 #include "core/surface/default_voxel.h"
 #include "core/triangle_files/surface_file.h"
-#include "core/vdb/surface_to_volume.h"
+#include "core/vdb/openvdb/surface_to_volume.h"
 #include "tests/core/vdb/decode_test_files.h"
 #include "tests/support/surfaces.h"
 

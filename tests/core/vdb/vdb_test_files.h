@@ -5,7 +5,7 @@
 
 #include <openvdb/tools/LevelSetSphere.h>
 
-#include "core/vdb/vdb_grids.h"
+#include "core/vdb/openvdb/vdb_grids.h"
 #include "tests/support/test_directory.h"
 
 namespace tet::test {

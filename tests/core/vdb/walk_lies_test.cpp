@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/vdb_grids.h"
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/openvdb/vdb_grids.h"
+#include "core/vdb/walk/walk_vdb.h"
 #include "tests/core/vdb/vdb_test_files.h"
 #include "tests/support/vdb_bytes.h"
 

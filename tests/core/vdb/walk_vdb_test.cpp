@@ -1,4 +1,4 @@
-#include "core/vdb/walk_vdb.h"
+#include "core/vdb/walk/walk_vdb.h"
 
 #include <algorithm>
 #include <functional>
@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vdb/load.h"
-#include "core/vdb/tree_type.h"
-#include "core/vdb/vdb_grids.h"
+#include "core/vdb/openvdb/load.h"
+#include "core/vdb/openvdb/vdb_grids.h"
+#include "core/vdb/walk/tree_type.h"
 #include "tests/core/vdb/vdb_test_files.h"
 #include "tests/support/vdb_bytes.h"
 #include "tests/support/vdb_fixtures.h"

@@ -1,6 +1,0 @@
-// libtetstream-openvdb.so: what openvdb_part() loads.
-#include "core/vdb/openvdb_functions.h"
-
-extern "C" const tet::OpenVdbPart* tetstream_openvdb_part() {
-  return &tet::openvdb_functions();
-}
