@@ -11,7 +11,7 @@
 
 #include "bench/bench_fields.h"
 #include "core/base/parallel.h"
-#include "core/mesh/packed_chunk.h"
+#include "core/mesh/packed/packed_chunk.h"
 #include "core/plan/make/fill_mesh.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/plan/mesh_workspace.h"

@@ -12,7 +12,7 @@
 #include "bench/load/load_plan.h"
 #include "bench/load/mix_options.h"
 #include "bench/load/stream_sender.h"
-#include "client/command/server_options.h"
+#include "client/command/arguments/server_options.h"
 
 namespace CLI {
 class App;

@@ -12,8 +12,8 @@
 #include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
 
-#include "client/command/empty_values.h"
-#include "client/command/mesh_input.h"
+#include "client/command/arguments/empty_values.h"
+#include "client/command/arguments/mesh_input.h"
 #include "client/library/wire_request.h"
 #include "core/base/bare_option.h"
 

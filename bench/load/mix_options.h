@@ -9,8 +9,8 @@
 #include <absl/status/statusor.h>
 
 #include "bench/load/request_mix.h"
-#include "client/command/progress_bar.h"
-#include "client/command/request_options.h"
+#include "client/command/arguments/request_options.h"
+#include "client/command/process/progress_bar.h"
 #include "client/library/mesh_client.h"
 #include "core/base/cancel.h"
 

@@ -13,12 +13,12 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_replace.h>
 
-#include "client/command/abandonable.h"
+#include "client/command/arguments/placed_array.h"
+#include "client/command/arguments/surface_input.h"
 #include "client/command/command.h"
-#include "client/command/placed_array.h"
-#include "client/command/progress_bar.h"
-#include "client/command/scratch_directory.h"
-#include "client/command/surface_input.h"
+#include "client/command/process/abandonable.h"
+#include "client/command/process/progress_bar.h"
+#include "client/command/process/scratch_directory.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/posix/file.h"
 #include "core/base/posix/folder.h"

@@ -8,13 +8,13 @@
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/command/arguments/mesh_arguments.h"
+#include "client/command/arguments/placed_array.h"
 #include "client/command/command.h"
-#include "client/command/mesh_arguments.h"
-#include "client/command/mesh_report.h"
-#include "client/command/placed_array.h"
-#include "client/command/prepare_request.h"
-#include "client/command/read_shape.h"
-#include "client/command/stopwatch.h"
+#include "client/command/mesh/mesh_report.h"
+#include "client/command/mesh/prepare_request.h"
+#include "client/command/mesh/read_shape.h"
+#include "client/command/process/stopwatch.h"
 #include "client/library/mesh_client.h"
 #include "core/base/parallel.h"
 #include "core/base/printable.h"

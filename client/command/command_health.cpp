@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/command/arguments/server_options.h"
 #include "client/command/command.h"
-#include "client/command/server_options.h"
 #include "client/library/mesh_client.h"
 #include "core/base/printable.h"
 

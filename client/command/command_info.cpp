@@ -11,9 +11,9 @@
 #include <absl/strings/str_format.h>
 #include <nlohmann/json.hpp>
 
+#include "client/command/arguments/mesh_input.h"
+#include "client/command/arguments/server_options.h"
 #include "client/command/command.h"
-#include "client/command/mesh_input.h"
-#include "client/command/server_options.h"
 #include "client/library/mesh_client.h"
 #include "client/library/read_grids.h"
 #include "core/base/printable.h"

@@ -7,12 +7,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/command/abandonable.h"
+#include "client/command/arguments/did_you_mean.h"
+#include "client/command/arguments/empty_values.h"
 #include "client/command/command.h"
-#include "client/command/did_you_mean.h"
-#include "client/command/empty_values.h"
-#include "client/command/exit_code.h"
-#include "client/command/interruption.h"
+#include "client/command/process/abandonable.h"
+#include "client/command/process/exit_code.h"
+#include "client/command/process/interruption.h"
 #include "client/library/error_details.h"
 #include "core/base/bare_option.h"
 #include "core/base/contain.h"

@@ -4,7 +4,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace tet {

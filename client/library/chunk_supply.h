@@ -14,7 +14,7 @@
 #include "core/base/quality_stats.h"
 #include "core/fidelity/fidelity.h"
 #include "core/mesh/boundary_topology.h"
-#include "core/mesh/improvement.h"
+#include "core/mesh/improve/improvement.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/thin_walls.h"
 

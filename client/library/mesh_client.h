@@ -15,7 +15,7 @@
 #include "core/base/cancel.h"
 #include "core/fidelity/fidelity.h"
 #include "core/mesh/boundary.h"
-#include "core/mesh/improve.h"
+#include "core/mesh/improve/improve.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/sample_points.h"

@@ -13,7 +13,7 @@
 
 #include "client/library/mesh_client.h"
 #include "client/library/stream_reader.h"
-#include "core/mesh/row_queue.h"
+#include "core/mesh/stable/row_queue.h"
 
 namespace tet {
 

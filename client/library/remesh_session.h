@@ -12,7 +12,7 @@
 #include "client/library/mesh_client.h"
 #include "client/library/shared_chunks_pool.h"
 #include "core/base/cancel.h"
-#include "core/mesh/stable_mesh.h"
+#include "core/mesh/stable/stable_mesh.h"
 
 namespace tet {
 

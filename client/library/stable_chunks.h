@@ -6,7 +6,7 @@
 
 #include "client/library/chunk_consumer.h"
 #include "core/base/parallel.h"
-#include "core/mesh/stable_mesh.h"
+#include "core/mesh/stable/stable_mesh.h"
 
 namespace tet {
 

@@ -17,8 +17,8 @@
 #include "client/library/compact_receiver.h"
 #include "client/library/mesh_client.h"
 #include "client/library/shared_chunks.h"
-#include "core/mesh/packed_chunk.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/packed/packed_chunk.h"
+#include "core/mesh/stable/splice.h"
 #include "proto/wire/chunk_frame.h"
 
 namespace tet {

@@ -9,7 +9,7 @@
 
 #include "core/lattice/bcc.h"
 #include "core/stuffing/stuffed_brick.h"
-#include "core/stuffing/surface_topology.h"
+#include "core/stuffing/topology/surface_topology.h"
 
 namespace tet {
 namespace {

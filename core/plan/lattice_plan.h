@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/field/phi_field.h"
-#include "core/mesh/improve.h"
+#include "core/mesh/improve/improve.h"
 #include "core/mesh/lattice_to_world.h"
 #include "core/plan/mesh_request.h"
 #include "core/plan/movable_plan.h"

@@ -7,7 +7,7 @@
 
 #include "core/base/quality_stats.h"
 #include "core/mesh/boundary_topology.h"
-#include "core/mesh/improvement.h"
+#include "core/mesh/improve/improvement.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/plan/shape.h"
 #include "core/plan/thin_walls.h"

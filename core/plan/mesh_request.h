@@ -56,7 +56,8 @@ struct MeshRequest {
   /// Stored positions are relative to the lattice corner next to it, world units; the middle of
   /// what is meshed unless given.
   std::optional<WorldPoint> origin;
-  bool improve = false;  ///< move vertices to better the worst angles: core/mesh/improve.h
+  bool improve =
+      false;  ///< move vertices to better the worst angles: core/mesh/improve/improve.h
   /// Neither the tets are measured nor the boundary's topology is counted: the same mesh,
   /// sooner.
   bool skip_statistics = false;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/cancel.h"
-#include "core/mesh/improvement.h"
+#include "core/mesh/improve/improvement.h"
 #include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_request.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/cancel.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 #include "core/plan/brick/brick_plan.h"
 #include "core/plan/brick/mesh_difference.h"
 #include "core/plan/brick/new_parts.h"

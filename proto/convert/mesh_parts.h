@@ -5,7 +5,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/mesh/lattice_to_world.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 #include "tetstream/v1/meshes.pb.h"
 
 namespace tet {

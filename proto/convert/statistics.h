@@ -6,7 +6,7 @@
 
 #include "core/base/quality_stats.h"
 #include "core/mesh/boundary_topology.h"
-#include "core/mesh/improvement.h"
+#include "core/mesh/improve/improvement.h"
 #include "core/plan/thin_walls.h"
 #include "tetstream/v1/meshes.pb.h"
 

@@ -9,7 +9,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/scratch_pool.h"
-#include "core/mesh/packed_chunk.h"
+#include "core/mesh/packed/packed_chunk.h"
 #include "core/plan/mesh_plan.h"
 #include "core/plan/mesh_workspace.h"
 #include "proto/wire/block_pool.h"

@@ -1,5 +1,5 @@
 // What a shell writes where a variable is not set: options with nothing for a value.
-#include "client/command/empty_values.h"
+#include "client/command/arguments/empty_values.h"
 
 #include <algorithm>
 #include <string>

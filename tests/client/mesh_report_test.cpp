@@ -1,9 +1,9 @@
-#include "client/command/mesh_report.h"
+#include "client/command/mesh/mesh_report.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/command/exit_code.h"
+#include "client/command/process/exit_code.h"
 #include "tests/core/mesh/small_meshes.h"
 
 namespace tet {

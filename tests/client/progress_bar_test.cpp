@@ -1,4 +1,4 @@
-#include "client/command/progress_bar.h"
+#include "client/command/process/progress_bar.h"
 
 #include <gmock/gmock.h>
 

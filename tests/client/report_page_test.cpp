@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "client/command/mesh_report.h"
+#include "client/command/mesh/mesh_report.h"
 #include "client/command/report/report_charts.h"
 #include "tests/core/mesh/small_meshes.h"
 

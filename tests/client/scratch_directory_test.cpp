@@ -1,4 +1,4 @@
-#include "client/command/scratch_directory.h"
+#include "client/command/process/scratch_directory.h"
 
 #include <filesystem>
 #include <string>

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/packed_chunk.h"
+#include "core/mesh/packed/packed_chunk.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace tet::packed_chunk_fuzz {

@@ -11,15 +11,17 @@ import sys
 # A request passes through these in order; a folder includes itself and those before it.
 CORE = ["core/base", "core/surface", "core/triangle_files", "core/volume", "core/image",
         "core/vdb/walk", "core/vdb/plain", "core/vdb/parts", "core/vdb/openvdb", "core/vdb/decoder",
-        "core/scene", "core/field", "core/octree", "core/lattice", "core/stuffing", "core/labels",
-        "core/mesh", "core/graded", "core/plan", "core/plan/brick", "core/plan/labelled",
+        "core/scene", "core/field", "core/octree", "core/lattice", "core/stuffing",
+        "core/stuffing/topology", "core/labels", "core/mesh", "core/mesh/packed", "core/mesh/stable",
+        "core/mesh/improve", "core/graded", "core/plan", "core/plan/brick", "core/plan/labelled",
         "core/plan/whole", "core/plan/joined", "core/plan/make", "core/fidelity", "core/remap",
         "core/second_order", "core/transfer", "core/files", "core/manual"]
 PROTO = ["proto/wire", "proto/scene", "proto/sizing", "proto/convert", "proto"]
 SERVER = ["server/ops", "server/rpc", "server/http", "server/shared_memory", "server/grids", "server/jobs/store", "server/meshing",
           "server/jobs/results", "server/streams", "server/jobs/work", "server/jobs/service",
           "server/upkeep", "server"]
-CLIENT = ["client/library", "client/command", "client"]
+CLIENT = ["client/library", "client/command/process", "client/command/arguments", "client/command/mesh",
+          "client/command", "client"]
 # What is installed: it may include the standard library, and itself as <tetstream/...>.
 PUBLIC = "client/library/include"
 # What stands upon it as another program would.

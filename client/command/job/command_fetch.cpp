@@ -10,13 +10,13 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/strip.h>
 
-#include "client/command/finish_mesh.h"
 #include "client/command/job/follow_jobs.h"
 #include "client/command/job/job_commands.h"
 #include "client/command/job/job_json.h"
 #include "client/command/job/job_session.h"
-#include "client/command/mesh_report.h"
-#include "client/command/stopwatch.h"
+#include "client/command/mesh/finish_mesh.h"
+#include "client/command/mesh/mesh_report.h"
+#include "client/command/process/stopwatch.h"
 #include "client/library/stream_checks.h"
 #include "core/base/posix/atomic_file.h"
 #include "core/base/printable.h"

@@ -11,8 +11,8 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include "client/command/field_options.h"
-#include "client/command/option_rules.h"
+#include "client/command/arguments/field_options.h"
+#include "client/command/arguments/option_rules.h"
 #include "client/library/wire_request.h"
 #include "proto/convert/times.h"
 #include "proto/wire/sha256.h"

@@ -8,8 +8,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "client/command/mesh_input.h"
-#include "client/command/request_options.h"
+#include "client/command/arguments/mesh_input.h"
+#include "client/command/arguments/request_options.h"
 #include "tetstream/v1/jobs.pb.h"
 
 namespace CLI {

@@ -6,8 +6,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 
-#include "client/command/exit_code.h"
 #include "client/command/job/job_json.h"
+#include "client/command/process/exit_code.h"
 #include "client/library/client_call.h"
 #include "client/library/connection.h"
 

@@ -10,9 +10,9 @@
 #include <absl/status/statusor.h>
 #include <nlohmann/json.hpp>
 
+#include "client/command/arguments/server_options.h"
 #include "client/command/job/job_selection.h"
-#include "client/command/progress_bar.h"
-#include "client/command/server_options.h"
+#include "client/command/process/progress_bar.h"
 #include "client/library/job_client.h"
 #include "client/library/mesh_client.h"
 

@@ -9,7 +9,7 @@
 #include <absl/strings/str_replace.h>
 #include <nlohmann/json.hpp>
 
-#include "client/command/empty_values.h"
+#include "client/command/arguments/empty_values.h"
 #include "core/base/bare_option.h"
 
 namespace tet {

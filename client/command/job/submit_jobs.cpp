@@ -10,8 +10,8 @@
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
 
-#include "client/command/grid_uploads.h"
-#include "client/command/scene_input.h"
+#include "client/command/arguments/scene_input.h"
+#include "client/command/mesh/grid_uploads.h"
 #include "client/library/client_call.h"
 #include "client/library/error_details.h"
 #include "client/library/thrown_status.h"

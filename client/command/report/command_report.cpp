@@ -5,8 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/command/arguments/output_places.h"
 #include "client/command/command.h"
-#include "client/command/output_places.h"
 #include "client/command/report/report_page.h"
 #include "client/library/text_file.h"
 #include "core/base/posix/atomic_file.h"

@@ -11,7 +11,7 @@
 #include "client/library/api/to_public.h"
 #include "core/base/parallel.h"
 #include "core/base/scratch_pool.h"
-#include "core/mesh/stable_mesh.h"
+#include "core/mesh/stable/stable_mesh.h"
 #include "core/plan/fill_watch.h"
 #include "core/plan/make/plan_mesh.h"
 #include "core/plan/mesh_workspace.h"

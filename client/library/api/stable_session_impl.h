@@ -6,7 +6,7 @@
 
 #include "client/library/api/session_impl.h"
 #include "client/library/chunk_supply.h"
-#include "core/mesh/stable_mesh.h"
+#include "core/mesh/stable/stable_mesh.h"
 #include "tetstream/stable_session.h"
 
 namespace tetstream {

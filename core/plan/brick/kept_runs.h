@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/brick_mask.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 
 namespace tet {
 

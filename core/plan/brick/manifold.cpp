@@ -9,7 +9,7 @@
 #include "core/base/brick_index.h"
 #include "core/base/parallel.h"
 #include "core/plan/brick/survey.h"
-#include "core/stuffing/surface_topology.h"
+#include "core/stuffing/topology/surface_topology.h"
 
 namespace tet {
 namespace {

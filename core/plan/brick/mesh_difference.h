@@ -8,7 +8,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/base/cancel.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/kept_bricks.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/brick_mask.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 #include "core/plan/brick/mesh_difference.h"
 
 namespace tet {

@@ -19,7 +19,7 @@
 #include "core/plan/brick/survey_findings.h"
 #include "core/plan/budget.h"
 #include "core/stuffing/cut_tet.h"
-#include "core/stuffing/surface_walk.h"
+#include "core/stuffing/topology/surface_walk.h"
 
 namespace tet {
 namespace {

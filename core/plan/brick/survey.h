@@ -19,8 +19,8 @@
 #include "core/stuffing/fill.h"
 #include "core/stuffing/restored_nodes.h"
 #include "core/stuffing/stuffed_brick.h"
-#include "core/stuffing/surface_parts.h"
-#include "core/stuffing/surface_topology.h"
+#include "core/stuffing/topology/surface_parts.h"
+#include "core/stuffing/topology/surface_topology.h"
 
 namespace tet {
 

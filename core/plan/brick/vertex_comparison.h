@@ -6,7 +6,7 @@
 
 #include "core/base/brick_mask.h"
 #include "core/base/types.h"
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 #include "core/plan/brick/changed_reach.h"
 #include "core/plan/brick/counted_mesh.h"
 #include "core/plan/brick/found_geometry.h"

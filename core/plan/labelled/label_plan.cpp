@@ -8,7 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/heap_bytes.h"
-#include "core/mesh/improve_labels.h"
+#include "core/mesh/improve/improve_labels.h"
 #include "core/plan/budget.h"
 #include "core/plan/fill_watch.h"
 #include "core/plan/labelled/fill_labelled_brick.h"

@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh/boundary.h"
-#include "core/mesh/improve_labels.h"
-#include "core/mesh/label_mover.h"
+#include "core/mesh/improve/improve_labels.h"
+#include "core/mesh/improve/label_mover.h"
 #include "core/mesh/quality.h"
 #include "core/plan/make/mesher.h"
 #include "core/plan/make/plan_mesh.h"

@@ -1,6 +1,6 @@
 // What the improvement promises of any mesh, on one whose boundary is no surface;
 // tests/core/plan holds what it promises of meshes of solids.
-#include "core/mesh/improve.h"
+#include "core/mesh/improve/improve.h"
 
 #include <algorithm>
 #include <random>

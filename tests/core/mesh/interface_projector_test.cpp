@@ -1,4 +1,4 @@
-#include "core/mesh/interface_projector.h"
+#include "core/mesh/improve/interface_projector.h"
 
 #include <gtest/gtest.h>
 

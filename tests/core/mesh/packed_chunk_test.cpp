@@ -1,4 +1,4 @@
-#include "core/mesh/packed_chunk.h"
+#include "core/mesh/packed/packed_chunk.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "core/mesh/row_queue.h"
+#include "core/mesh/stable/row_queue.h"
 
 #include <cstdint>
 #include <random>

@@ -1,4 +1,4 @@
-#include "core/mesh/star.h"
+#include "core/mesh/improve/star.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/mesh/surface_projector.h"
+#include "core/mesh/improve/surface_projector.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "core/mesh/sweeper.h"
+#include "core/mesh/improve/sweeper.h"
 
 #include <cstdint>
 #include <new>

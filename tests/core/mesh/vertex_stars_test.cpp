@@ -1,4 +1,4 @@
-#include "core/mesh/vertex_stars.h"
+#include "core/mesh/improve/vertex_stars.h"
 
 #include <algorithm>
 #include <map>

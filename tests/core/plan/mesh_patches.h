@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/mesh/row_queue.h"
+#include "core/mesh/stable/row_queue.h"
 #include "core/transfer/mesh_patch.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/volume_fixtures.h"

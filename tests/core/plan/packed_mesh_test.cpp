@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/mesh/packed_chunk.h"
+#include "core/mesh/packed/packed_chunk.h"
 #include "core/plan/make/fill_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/support/sanitized.h"

@@ -1,4 +1,4 @@
-#include "core/mesh/splice.h"
+#include "core/mesh/stable/splice.h"
 
 #include <algorithm>
 #include <array>

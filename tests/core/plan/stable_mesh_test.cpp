@@ -1,4 +1,4 @@
-#include "core/mesh/stable_mesh.h"
+#include "core/mesh/stable/stable_mesh.h"
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "core/stuffing/node_link.h"
+#include "core/stuffing/topology/node_link.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "core/stuffing/node_regions.h"
+#include "core/stuffing/topology/node_regions.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/lattice/background.h"
-#include "core/stuffing/node_link.h"
+#include "core/stuffing/topology/node_link.h"
 
 namespace tet {
 namespace {

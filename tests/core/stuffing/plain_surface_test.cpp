@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "core/lattice/background.h"
-#include "core/stuffing/climb.h"
 #include "core/stuffing/count_tets.h"
-#include "core/stuffing/count_triangles.h"
-#include "core/stuffing/node_link.h"
-#include "core/stuffing/plain_zeros.h"
-#include "core/stuffing/surface_regions.h"
-#include "core/stuffing/surface_sheet.h"
+#include "core/stuffing/topology/climb.h"
+#include "core/stuffing/topology/count_triangles.h"
+#include "core/stuffing/topology/node_link.h"
+#include "core/stuffing/topology/plain_zeros.h"
+#include "core/stuffing/topology/surface_regions.h"
+#include "core/stuffing/topology/surface_sheet.h"
 #include "tests/core/stuffing/waves.h"
 #include "tests/support/sanitized.h"
 

@@ -1,4 +1,4 @@
-#include "core/stuffing/surface_parts.h"
+#include "core/stuffing/topology/surface_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,9 @@
 
 #include "core/lattice/bcc.h"
 #include "core/stuffing/count_tets.h"
-#include "core/stuffing/node_regions.h"
-#include "core/stuffing/surface_regions.h"
-#include "core/stuffing/surface_sheet.h"
+#include "core/stuffing/topology/node_regions.h"
+#include "core/stuffing/topology/surface_regions.h"
+#include "core/stuffing/topology/surface_sheet.h"
 #include "tests/core/stuffing/waves.h"
 #include "tests/support/sanitized.h"
 

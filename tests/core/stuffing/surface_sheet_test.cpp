@@ -1,4 +1,4 @@
-#include "core/stuffing/surface_sheet.h"
+#include "core/stuffing/topology/surface_sheet.h"
 
 #include <array>
 

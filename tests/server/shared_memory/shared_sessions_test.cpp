@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/mesh/stable_mesh.h"
+#include "core/mesh/stable/stable_mesh.h"
 #include "tests/core/plan/meshing.h"
 #include "tests/server/plain_channel.h"
 #include "tests/server/reason_of.h"
