@@ -80,9 +80,9 @@ void compare_geometry(const OwnedVertices& before,
 
 /// Nodes that are on another side than they were; moved ones are on neither.
 BrickMask elsewhere(const OwnedVertices& before, const OwnedVertices& now, NodeKind kind) {
-  static const StuffedBrick kNone{};
-  const StuffedBrick& a = before.stuffed != nullptr ? *before.stuffed : kNone;
-  const StuffedBrick& b = now.stuffed != nullptr ? *now.stuffed : kNone;
+  static const StuffedBrick none{};
+  const StuffedBrick& a = before.stuffed != nullptr ? *before.stuffed : none;
+  const StuffedBrick& b = now.stuffed != nullptr ? *now.stuffed : none;
   return differing(a.plus[kind], b.plus[kind]) | differing(a.zero[kind], b.zero[kind]);
 }
 

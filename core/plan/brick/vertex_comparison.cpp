@@ -31,9 +31,9 @@ void VertexComparison::add_runs(const BrickMask& cells, std::vector<KeptRun>& ru
   for (const NodeKind kind : {kCorner, kCentre}) {
     walk.pass(*had_.node[kind], *has_.node[kind], kept_.node[kind]);
   }
-  static const StuffedBrick kNone{};
-  const StuffedBrick& a = had_.at_surface ? *had_.stuffed : kNone;
-  const StuffedBrick& b = has_.at_surface ? *has_.stuffed : kNone;
+  static const StuffedBrick none{};
+  const StuffedBrick& a = had_.at_surface ? *had_.stuffed : none;
+  const StuffedBrick& b = has_.at_surface ? *has_.stuffed : none;
   for (std::size_t family = 0; family < kEdgeFamilies; ++family) {
     walk.pass(a.cut[family], b.cut[family], kept_.cut[family]);
   }

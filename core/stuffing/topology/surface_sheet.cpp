@@ -55,6 +55,17 @@ struct LaterBrick {
   std::array<NodePlane, 4> nodes;  ///< corners and centres of 7, then those of 8
 };
 
+/// Whether the planes before x = 7 have the nodes that a `LaterBrick` takes for granted there.
+[[maybe_unused]] bool are_as_at_seven(const NodePlanes& common,
+                                      NodeKind kind,
+                                      bool along_x) noexcept {
+  for (int x = NodePlanes::kMin; x < 7; ++x) {
+    const bool within = !along_x && x >= 0;
+    if (!(common.of(kind, x) == (within ? common.of(kind, 7) : NodePlane()))) return false;
+  }
+  return true;
+}
+
 std::array<LaterBrick, 13> find_later_bricks() noexcept {
   const std::array<NodePlanes, 13> common = nodes_in_common();
   std::array<LaterBrick, 13> bricks;
@@ -63,11 +74,7 @@ std::array<LaterBrick, 13> find_later_bricks() noexcept {
     for (const NodeKind kind : {kCorner, kCentre}) {
       bricks[place].nodes[kind] = common[place].of(kind, 7);
       bricks[place].nodes[kNodeKinds + kind] = common[place].of(kind, 8);
-      for (int x = NodePlanes::kMin; x < 7; ++x) {
-        const bool within = place < 4 && x >= 0;
-        TET_CHECK(common[place].of(kind, x) ==
-                  (within ? common[place].of(kind, 7) : NodePlane()));
-      }
+      TET_CHECK(are_as_at_seven(common[place], kind, bricks[place].along_x));
     }
   }
   return bricks;
