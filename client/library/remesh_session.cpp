@@ -45,7 +45,7 @@ RemeshSession::~RemeshSession() {
 }
 
 absl::StatusOr<std::unique_ptr<RemeshSession>> RemeshSession::begin(
-    std::shared_ptr<Connection> connection,
+    const std::shared_ptr<Connection>& connection,
     const v1::MeshRequest& request,
     const Cancellation& cancellation,
     SessionIds ids) {

@@ -33,7 +33,7 @@ class RemeshSession {
   /// come. `cancellation` outlives the session. Errors: the server's, kUnavailable (after all
   /// retries), kDataLoss (a stream that is none), kCancelled, kDeadlineExceeded.
   static absl::StatusOr<std::unique_ptr<RemeshSession>> begin(
-      std::shared_ptr<Connection> connection,
+      const std::shared_ptr<Connection>& connection,
       const v1::MeshRequest& request,
       const Cancellation& cancellation,
       SessionIds ids = SessionIds::kInOrder);
