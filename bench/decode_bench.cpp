@@ -62,8 +62,8 @@ double read_cold(const std::string& path) {
 
 /// A decoder stands ready: a copy of one that was started before the first.
 double read_warm(const std::string& path) {
-  thread_local DecoderSupply supply({}, nullptr);
-  Decoder decoder = checked(supply.take());
+  thread_local DecoderSupply supply(DecoderProgram{});
+  Decoder decoder = checked(supply.take(nullptr));
   if (!decoder.wait_until_ready(nullptr).ok()) std::abort();
   const FileRequest request = request_for(path);
   const auto start = Clock::now();
