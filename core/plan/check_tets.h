@@ -24,7 +24,7 @@ absl::Status check_not_empty(const MeshHeader& header,
                              const PreparedMesh& prepared,
                              const ThinWalls& thin);
 
-/// The same, or kResourceExhausted.
+/// What check_not_empty answers, or kResourceExhausted: more tets than the limits allow.
 absl::Status check_tets(const MeshHeader& header,
                         const PreparedMesh& prepared,
                         const ThinWalls& thin,

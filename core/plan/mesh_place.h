@@ -23,7 +23,7 @@ WorldBox world_box_of(const BrickBox& domain, const PhiField& field);
 /// Whether float32 coordinates from `origin` on would bend the angle bounds of a mesh.
 bool is_far(const WorldBox& bounds, const WorldPoint& origin, double spacing) noexcept;
 
-/// The same, of any lattice.
+/// A domain in world units, on a lattice that belongs to no field.
 WorldBox world_box_of(const BrickBox& domain, const VoxelTransform& lattice);
 
 /// Which side of a grid's surface was taken for the inside, and why, where neither its class

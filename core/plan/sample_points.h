@@ -41,7 +41,7 @@ class ShapeSampler {
   const std::vector<FieldArray>& arrays() const noexcept { return header_.fields; }
   /// Values that a point has of all fields together.
   std::size_t width() const noexcept { return header_.field_values(); }
-  /// As MeshHeader::inside_guess.
+  /// Says what MeshHeader::inside_guess says of a mesh.
   const std::string& inside_guess() const noexcept { return header_.inside_guess; }
 
   /// Fills the columns, of as many points; all passed check_points. Parallel; run it on a

@@ -44,6 +44,21 @@ class CheckSources(unittest.TestCase):
             ["core/base/a.h: 421 lines, and 420 are the most: does it hold one thing?"])
         self.assertEqual(errors_of(long, "tests/core/base/a.cpp"), [])
 
+    def test_refuses_a_full_folder(self):
+        def errors_with(count, room):
+            with tempfile.TemporaryDirectory() as root:
+                folder = pathlib.Path(root) / room
+                (folder / "inner").mkdir(parents=True)
+                (folder / "inner" / "a.h").write_text("int a;\n", encoding="utf-8")
+                for number in range(count):
+                    (folder / f"a{number}.h").write_text("int a;\n", encoding="utf-8")
+                return check_sources.find_errors(pathlib.Path(root))
+
+        self.assertEqual(errors_with(check_sources.MOST_FILES, "core/base"), [])
+        self.assertEqual(errors_with(check_sources.MOST_FILES + 1, "core/base"),
+                         ["core/base: 76 sources, and 75 are the most: part it into rooms"])
+        self.assertEqual(errors_with(check_sources.MOST_FILES + 1, "tests/core"), [])
+
     def test_refuses_a_tree_without_sources(self):
         self.assertEqual(errors_of("", "core/base/a.txt")[0][:20], "there are no sources")
 

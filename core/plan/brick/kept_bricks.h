@@ -30,7 +30,7 @@ class ReadCells {
   explicit ReadCells(std::size_t bricks = 0) : place_(bricks, kNewBrick) {}
 
   void add(std::uint32_t brick, const BrickMask& more);
-  /// None of most.
+  /// Returns the cells of a brick that were added; most bricks have none.
   BrickMask of(std::size_t brick) const noexcept {
     return place_[brick] == kNewBrick ? BrickMask{} : cells_[place_[brick]];
   }
