@@ -48,7 +48,6 @@ constexpr std::chrono::seconds kLastBytes{2};
 constexpr std::chrono::hours kForever{24 * 365};
 constexpr std::chrono::milliseconds kHeartbeat{100};
 constexpr std::chrono::milliseconds kHealthBeat{500};
-constexpr std::uint64_t kHandshakeSeconds = 10;
 
 AdmissionLimits admission_limits(const Config& config) {
   AdmissionLimits limits;
@@ -169,7 +168,7 @@ ChannelArguments channel_arguments(const Config& config) {
   set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, config.connection_idle_seconds * kMs);
   set(GRPC_ARG_MAX_CONNECTION_AGE_MS, config.connection_age_seconds * kMs);
   set(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, config.connection_grace_seconds * kMs);
-  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeSeconds * kMs);
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, config.handshake_seconds * kMs);
   // Two servers on one port would share its calls by chance.
   set(GRPC_ARG_ALLOW_REUSEPORT, 0);
   return arguments;

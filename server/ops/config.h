@@ -60,6 +60,7 @@ struct Config {
   std::uint64_t stall_seconds = 60;
   std::uint64_t session_idle_seconds = 600;
   std::uint64_t keepalive_seconds = 20;
+  std::uint64_t handshake_seconds = 10;
   std::uint64_t max_connection_streams = 256;
   std::uint64_t max_metadata_bytes = std::uint64_t{16} << 10;
   std::uint64_t connection_idle_seconds = 600;

@@ -49,7 +49,7 @@ class Server:
         settings = {"listen": "127.0.0.1:0", "store": folder.name + "/store",
                     "metrics_listen": self.metrics,
                     "port_file": str(port_file), "log_level": os.environ.get("LEVEL", "error"), "lame_duck_seconds": 0, "drain_seconds": 0,
-                    "grace_seconds": GRACE,
+                    "grace_seconds": GRACE, "handshake_seconds": 3600,
                     **settings}
         self.process = subprocess.Popen(
             [os.environ.get("TETSTREAMD", binaries() / "tetstreamd")]
@@ -205,6 +205,18 @@ class Ending(CrowdTest):
             self.addCleanup(silent.close)
             silent.sendall(b"GET /metrics HTTP/1.1\r\n")
         self.assertEqual(server.stop(), 0)
+
+
+class Newcomers(CrowdTest):
+    def test_who_never_gets_ready_for_calls_is_sent_away(self):
+        server = Server(self, handshake_seconds=1)
+        with socket.create_connection(("127.0.0.1", server.port), GENEROUS_END) as silent:
+            try:
+                while silent.recv(1 << 16):  # what the server has to say of itself comes first
+                    pass
+            except ConnectionResetError:
+                pass
+        self.assertTrue(server.is_alive())
 
 
 class HealthWatchers(CrowdTest):

@@ -25,7 +25,7 @@ def binaries():
 # Nobody waits for a balancer of load, and nothing is cut off or given up because the machine is slow.
 UNHURRIED = {"TETSTREAM_LAME_DUCK_SECONDS": "0", "TETSTREAM_DRAIN_SECONDS": "600",
              "TETSTREAM_GRACE_SECONDS": "900", "TETSTREAM_STALL_SECONDS": "3600",
-             "TETSTREAM_KEEPALIVE_SECONDS": "3600"}
+             "TETSTREAM_KEEPALIVE_SECONDS": "3600", "TETSTREAM_HANDSHAKE_SECONDS": "3600"}
 
 
 class RunningProgram:

@@ -33,6 +33,7 @@ class ServiceTest : public testing::Test {
     config_.jobs = "off";
     // A test that stands still must not be taken for a client that does.
     config_.stall_seconds = 3600;
+    config_.handshake_seconds = 3600;
   }
 
   void start() {
