@@ -45,6 +45,7 @@ LIBRARIES = {
     "blosc": (r"blosc", ["core/vdb/plain"]),
     "the system's loader": (r"dlfcn\.h$", ["core/vdb/parts", "tests/faults"]),
     "seccomp": (r"seccomp", ["core/vdb/decoder"]),
+    "HDF5": (r"(hdf5|H5\w+)\.h$", ["core/files"]),
     "oneTBB": (r"(tbb|oneapi)/", ["core/base"]),
     "gRPC": (r"(grpc|grpcpp|google/(protobuf|rpc))/|.*\.pb\.h$", NETWORK),
     "SSE": (r"[a-z]*mmintrin\.h$|simde/", ["core/base/sse.h"]),
